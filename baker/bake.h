@@ -1,0 +1,83 @@
+// The baker's one call: height, normal and gloss maps in, fitted reflectance MIP chain out.
+// Each coarser texel holds the lobe (shaders/shared/lobe.h) that best reproduces the average
+// reflectance of the level-0 texels under it (Baker, "MIP-Mapping Reflectance Models").
+#pragma once
+#include "core/image.h"
+#include "core/progress.h"
+#include <array>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+namespace lumel::baker {
+
+inline constexpr const char* kVersion = "1"; // part of the cache key: raise when results change
+
+enum class Method { fit, average, flat, height, toksvig, lean };
+enum class Model { blinnPhong, ashikhminShirley };
+enum class Wrap { repeat, clamp };
+
+// One texel of a baked level; the order of the file's channels.
+enum Channel { kNx, kNy, kSxx, kSxy, kSyy, kKsR, kKsG, kKsB, kKdR, kKdG, kKdB, kError, kChannels };
+
+// Maps may differ in size; the chain has the size of the largest one, the others are resampled
+// bilinearly. Empty images mean "use the constant". Images are linear; heights and normals as decoded
+// from the file (normals in [0, 1], or signed when `signedNormals`).
+struct Maps {
+    Image height;             // channel 0: height; needs heightScale
+    float heightScale = 0.0f; // height of value 1 in units of the map's width
+    Image normal;             // rgb tangent-space normal
+    bool normalGreenUp = true;
+    bool signedNormals = false;
+    float normalScale = 1.0f; // glTF normalTexture.scale: multiplies x and y before normalising
+    Wrap wrap = Wrap::repeat; // for height derivatives and resampling across the border
+
+    Image power;              // channel 0: Blinn-Phong power, as stored
+    float powerConstant = 200.0f;
+    Image roughness;          // channel 0: glTF perceptual roughness; wins over power when present
+    Image tangentRotation;    // channel 0: [0, 1] = rotation of the anisotropy axes by [0, pi)
+    glm::vec2 anisotropicPower{0.0f}; // base power along Tu and Tv; 0 = isotropic
+    Image specular;           // rgb or grey Ks
+    glm::vec3 specularConstant{0.04f};
+    Image diffuse;            // rgb or grey Kd, linear
+    glm::vec3 diffuseConstant{0.0f};
+};
+
+struct Options {
+    Method method = Method::fit;
+    Model model = Model::ashikhminShirley;
+    int threads = 0; // 0 = all cores
+};
+
+struct Level {
+    int width = 0;
+    int height = 0;
+    std::vector<float> texels; // width * height * kChannels, row-major, row 0 on top
+    const float* at(int x, int y) const { return texels.data() + (size_t(y) * width + x) * kChannels; }
+};
+
+struct ReflectanceMips {
+    std::vector<Level> levels; // level L is max(1, floor(size / 2^L)); the last is 1 x 1
+    std::string model, method, version, source; // the file's lumel:* metadata
+};
+
+// glTF perceptual roughness r in [0, 1] to Blinn-Phong power: alpha = r^2, p = 2 / alpha^2 - 2
+// (Walter et al. 2007, section 5.2, equates the two lobes), clamped to [kMinPower, kMaxPower].
+float powerFromRoughness(float perceptualRoughness);
+
+// Bakes all levels. Throws Error for unusable maps (none given, both height and normal, zero size, NaN)
+// and Interrupted after Ctrl-C. `progress` counts level-0 texels times the levels above 0 that cover
+// them, see progressUnits().
+ReflectanceMips bake(const Maps& maps, const Options& options, Progress* progress = nullptr);
+size_t progressUnits(const Maps& maps);
+
+// Hash of every input and option that changes the result: the file's lumel:source and the cache key.
+std::string sourceHash(const Maps& maps, const Options& options);
+
+// OpenEXR as the design describes it: tiled, MIPMAP_LEVELS, half (or float), channels by name
+// (N.x N.y S.xx S.xy S.yy Ks.R Ks.G Ks.B Kd.R Kd.G Kd.B E), metadata lumel:*. Atomic.
+void writeExr(const std::filesystem::path& file, const ReflectanceMips& mips, bool asFloat = false);
+// Throws Error when the file is not such a chain, complete and finite.
+ReflectanceMips readExr(const std::filesystem::path& file);
+
+} // namespace lumel::baker

@@ -1,0 +1,116 @@
+#include "file.h"
+#include "error.h"
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fmt/format.h>
+#include <fstream>
+#include <unistd.h>
+
+namespace lumel {
+namespace fs = std::filesystem;
+
+std::vector<std::byte> readFile(const fs::path& file, size_t maxBytes)
+{
+    std::error_code code;
+    const auto status = fs::status(file, code);
+    if (!fs::exists(status))
+        throw Error(fmt::format("{}: no such file; check the path", file.string()));
+    if (!fs::is_regular_file(status))
+        throw Error(fmt::format("{}: not a regular file; name a file", file.string()));
+    const auto size = fs::file_size(file, code);
+    if (code || size > maxBytes)
+        throw Error(fmt::format("{}: {}", file.string(),
+                                code ? code.message()
+                                     : fmt::format("{} bytes exceed the limit of {}", size, maxBytes)));
+    std::vector<std::byte> bytes(size);
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size)))
+        throw Error(fmt::format("{}: cannot be read; check its permissions", file.string()));
+    return bytes;
+}
+
+void writeAtomically(const fs::path& file, const std::function<void(const fs::path&)>& write)
+{
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (!fs::is_directory(folder))
+        throw Error(fmt::format("{}: folder {} does not exist; make it first", file.string(), folder.string()));
+    if (access(folder.c_str(), W_OK) != 0)
+        throw Error(fmt::format("{}: folder {} is not writable; choose another", file.string(), folder.string()));
+    if (fs::is_directory(file))
+        throw Error(fmt::format("{}: is a folder; name a file", file.string()));
+    const fs::path temporary =
+        folder / fmt::format(".{}.{}{}", file.stem().string(), getpid(), file.extension().string());
+    try {
+        write(temporary);
+        fs::rename(temporary, file);
+    } catch (const fs::filesystem_error& e) {
+        std::error_code ignored;
+        fs::remove(temporary, ignored);
+        throw Error(fmt::format("{}: cannot be written ({})", file.string(), e.code().message()));
+    } catch (...) {
+        std::error_code ignored;
+        fs::remove(temporary, ignored);
+        throw;
+    }
+}
+
+void writeFileAtomically(const fs::path& file, const std::string& text)
+{
+    writeAtomically(file, [&](const fs::path& temporary) {
+        std::ofstream stream(temporary, std::ios::binary);
+        stream << text;
+        stream.close();
+        if (!stream)
+            throw Error(fmt::format("{}: cannot be written ({})", file.string(), std::strerror(errno)));
+    });
+}
+
+fs::path cacheFolder()
+{
+    const char* xdg = std::getenv("XDG_CACHE_HOME");
+    const char* home = std::getenv("HOME");
+    fs::path folder;
+    if (xdg && fs::path(xdg).is_absolute()) // the specification ignores relative paths
+        folder = fs::path(xdg) / "lumel";
+    else if (home && *home)
+        folder = fs::path(home) / ".cache" / "lumel";
+    else
+        folder = fs::temp_directory_path() / "lumel-cache";
+    std::error_code code;
+    fs::create_directories(folder, code);
+    if (code)
+        throw Error(fmt::format("{}: the cache folder cannot be made ({}); set XDG_CACHE_HOME",
+                                folder.string(), code.message()));
+    return folder;
+}
+
+// Fowler, Noll and Vo's FNV-1a (64 bit), eight bytes a step where there are eight; the second lane runs
+// over the complemented words, so that a collision must hit both.
+ContentHash& ContentHash::add(const void* data, size_t size)
+{
+    constexpr uint64_t kPrime = 0x100000001b3ull;
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    const auto step = [&](uint64_t word) {
+        a_ = (a_ ^ word) * kPrime;
+        a_ ^= a_ >> 29; // words, not bytes: without this, high bits would never reach low ones
+        b_ = (b_ ^ ~word) * 0x9e3779b97f4a7c15ull;
+        b_ ^= b_ >> 32;
+    };
+    for (; size >= 8; size -= 8, bytes += 8) {
+        uint64_t word;
+        std::memcpy(&word, bytes, 8);
+        step(word);
+    }
+    for (; size > 0; --size)
+        step(*bytes++);
+    return *this;
+}
+
+std::string ContentHash::hex() const
+{
+    return fmt::format("{:016x}{:016x}", a_, b_);
+}
+
+} // namespace lumel

@@ -1,0 +1,45 @@
+// Files that appear whole or not at all, the cache folder, and content hashes.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lumel {
+
+// Reads a whole file. Throws Error naming it when missing, unreadable, a folder, or over `maxBytes`.
+std::vector<std::byte> readFile(const std::filesystem::path& file, size_t maxBytes = size_t(4) << 30);
+
+// Calls `write` with a fresh temporary name beside `file` (same extension), then renames it over `file`.
+// When `write` throws, the temporary is removed and `file` is untouched. Throws Error if the folder is
+// missing or not writable.
+void writeAtomically(const std::filesystem::path& file,
+                     const std::function<void(const std::filesystem::path&)>& write);
+void writeFileAtomically(const std::filesystem::path& file, const std::string& text);
+
+// $XDG_CACHE_HOME/lumel, else ~/.cache/lumel (XDG Base Directory specification); made if missing.
+std::filesystem::path cacheFolder();
+
+// Streaming 128-bit content hash (two FNV-1a lanes with different offsets). Not cryptographic: it keys
+// the bake cache, where inputs are the user's own files.
+class ContentHash {
+public:
+    ContentHash& add(const void* data, size_t size);
+    ContentHash& add(const std::string& text) { return add(text.data(), text.size()).addValue(text.size()); }
+    template<class T>
+    ContentHash& addValue(const T& value)
+    {
+        static_assert(std::is_trivially_copyable_v<T>);
+        return add(&value, sizeof value);
+    }
+    std::string hex() const; // 32 digits
+
+private:
+    uint64_t a_ = 0xcbf29ce484222325ull;
+    uint64_t b_ = 0x84222325cbf29ce4ull;
+};
+
+} // namespace lumel

@@ -1,0 +1,112 @@
+#include "image.h"
+#include "error.h"
+#include "file.h"
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace lumel {
+namespace {
+
+// OpenImageIO's messages can span lines; ours are one line each.
+std::string firstLine(std::string text)
+{
+    return text.substr(0, text.find('\n'));
+}
+
+Image readOpened(OIIO::ImageInput& input, const std::string& name)
+{
+    const OIIO::ImageSpec& spec = input.spec();
+    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1)
+        throw Error(fmt::format("{}: not a 2D image; export it as PNG, JPEG, TIFF or EXR", name));
+    if (size_t(spec.width) * size_t(spec.height) > kMaxImagePixels)
+        throw Error(fmt::format("{}: {} x {} pixels exceed the limit of 16384 x 16384; scale it down", name,
+                                spec.width, spec.height));
+    if (spec.nchannels > 64)
+        throw Error(fmt::format("{}: {} channels, at most 64 are read; export fewer", name, spec.nchannels));
+    Image image(spec.width, spec.height, spec.nchannels);
+    if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
+        throw Error(fmt::format("{}: damaged image ({}); export it again", name, firstLine(input.geterror())));
+    return image;
+}
+
+} // namespace
+
+Image readImage(const std::filesystem::path& file)
+{
+    const std::string name = file.string();
+    std::error_code code;
+    const auto status = std::filesystem::status(file, code);
+    if (!std::filesystem::exists(status))
+        throw Error(fmt::format("{}: no such file; check the path", name));
+    if (std::filesystem::is_directory(status))
+        throw Error(fmt::format("{}: is a folder; name an image file in it", name));
+    if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, code) == 0)
+        throw Error(fmt::format("{}: empty file (0 bytes); export it again", name));
+    auto input = OIIO::ImageInput::open(name);
+    if (!input) {
+        const std::string why = firstLine(OIIO::geterror());
+        throw Error(fmt::format("{}: cannot be read as an image{}; use PNG, JPEG, TIFF or EXR", name,
+                                why.empty() ? "" : " (" + why + ")"));
+    }
+    return readOpened(*input, name);
+}
+
+Image readImage(std::span<const std::byte> bytes, const std::string& name)
+{
+    if (bytes.empty())
+        throw Error(fmt::format("{}: empty image; export it again", name));
+    // The format is told by content, so the name's extension does not matter.
+    OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
+    for (const char* format : {"png", "jpeg", "webp", "openexr", "tiff", "tga"}) {
+        auto input = OIIO::ImageInput::create(format);
+        if (!input || !input->supports("ioproxy") || !input->set_ioproxy(&reader))
+            continue;
+        OIIO::ImageSpec spec;
+        reader.seek(0);
+        if (input->open(name, spec))
+            return readOpened(*input, name);
+        (void)input->geterror();
+    }
+    (void)OIIO::geterror();
+    throw Error(fmt::format("{}: not a PNG, JPEG, WebP, EXR, TIFF or TGA image; convert it to PNG", name));
+}
+
+void writeImage(const std::filesystem::path& file, const Image& image)
+{
+    const std::string extension = file.extension().string();
+    OIIO::TypeDesc type;
+    if (extension == ".exr")
+        type = OIIO::TypeDesc::HALF;
+    else if (extension == ".png" || extension == ".jpg" || extension == ".jpeg")
+        type = OIIO::TypeDesc::UINT8;
+    else
+        throw Error(fmt::format("{}: unknown picture format; end the name in .png or .exr", file.string()));
+    writeAtomically(file, [&](const std::filesystem::path& temporary) {
+        auto output = OIIO::ImageOutput::create(temporary.string());
+        OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
+        // No time stamps or software versions: the same picture is the same file.
+        spec.erase_attribute("DateTime");
+        if (extension == ".png")
+            spec.attribute("png:compressionLevel", 6);
+        else if (extension == ".exr")
+            spec.attribute("compression", "zip");
+        if (!output || !output->open(temporary.string(), spec) ||
+            !output->write_image(OIIO::TypeDesc::FLOAT, image.pixels.data()) || !output->close())
+            throw Error(fmt::format("{}: cannot be written ({})", file.string(),
+                                    firstLine(output ? output->geterror() : OIIO::geterror())));
+    });
+}
+
+float srgbToLinear(float encoded)
+{
+    return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
+float linearToSrgb(float linear)
+{
+    return linear <= 0.0031308f ? linear * 12.92f : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
+}
+
+} // namespace lumel

@@ -1,0 +1,41 @@
+// Images as plain float arrays. The only place that touches OpenImageIO's readers and writers.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace lumel {
+
+// Row-major, channels interleaved, row 0 on top.
+struct Image {
+    int width = 0;
+    int height = 0;
+    int channels = 0;
+    std::vector<float> pixels;
+
+    Image() = default;
+    Image(int w, int h, int c) : width(w), height(h), channels(c), pixels(size_t(w) * h * c) {}
+    float* at(int x, int y) { return pixels.data() + (size_t(y) * width + x) * channels; }
+    const float* at(int x, int y) const { return pixels.data() + (size_t(y) * width + x) * channels; }
+    bool empty() const { return pixels.empty(); }
+};
+
+// Files that declare more pixels than this are refused before anything is allocated (image bombs).
+inline constexpr size_t kMaxImagePixels = size_t(16384) * 16384;
+
+// Reads the first subimage. Integer formats map to [0, 1], floats stay as stored; no colour conversion.
+// Throws Error naming the file when it is missing, empty, not an image, truncated or too large.
+Image readImage(const std::filesystem::path& file);
+// The same from memory (embedded glTF images); `name` is what messages call it.
+Image readImage(std::span<const std::byte> bytes, const std::string& name);
+
+// Writes `file` whole or not at all. The extension chooses the format: .exr stores 16-bit half float,
+// .png and .jpg store 8 bit (values clamped to [0, 1] and rounded; the caller applies sRGB).
+void writeImage(const std::filesystem::path& file, const Image& image);
+
+// sRGB transfer functions, IEC 61966-2-1, piecewise. Negative values stay linear.
+float srgbToLinear(float encoded);
+float linearToSrgb(float linear);
+
+} // namespace lumel

@@ -1,0 +1,72 @@
+#include "progress.h"
+#include "error.h"
+#include <csignal>
+#include <cstdio>
+#include <unistd.h>
+
+namespace lumel {
+namespace {
+
+volatile std::sig_atomic_t signalled = 0;
+
+void onSignal(int number)
+{
+    if (signalled)
+        _exit(128 + number);
+    signalled = 1;
+}
+
+} // namespace
+
+void catchInterrupts()
+{
+    std::signal(SIGINT, onSignal);
+    std::signal(SIGTERM, onSignal);
+}
+
+bool interrupted()
+{
+    return signalled != 0;
+}
+
+Progress::Progress(std::string label, size_t total)
+    : label_(std::move(label)), total_(total), start_(std::chrono::steady_clock::now()),
+      terminal_(isatty(STDERR_FILENO) != 0)
+{
+}
+
+Progress::~Progress()
+{
+    if (!drawn_)
+        return;
+    draw();
+    std::fputc('\n', stderr);
+}
+
+void Progress::advance(size_t units)
+{
+    if (interrupted())
+        throw Interrupted();
+    done_ += units;
+    if (!terminal_)
+        return;
+    const auto elapsed = std::chrono::steady_clock::now() - start_;
+    const int64_t ms = std::chrono::duration_cast<std::chrono::milliseconds>(elapsed).count();
+    if (ms < nextDrawMs_)
+        return;
+    nextDrawMs_ = ms + 100;
+    std::lock_guard lock(mutex_);
+    drawn_ = true;
+    draw();
+}
+
+void Progress::draw()
+{
+    const size_t done = std::min<size_t>(done_, total_);
+    const int percent = total_ ? int(100 * done / total_) : 100;
+    const std::string bar(size_t(percent) / 4, '#');
+    std::fprintf(stderr, "\r%s [%-25s] %3d %%", label_.c_str(), bar.c_str(), percent);
+    std::fflush(stderr);
+}
+
+} // namespace lumel

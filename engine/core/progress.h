@@ -1,0 +1,38 @@
+// Progress of long work on a terminal, and the point where Ctrl-C takes effect.
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <string>
+
+namespace lumel {
+
+// One line on stderr, redrawn at most ten times a second, only when stderr is a terminal and the work
+// has taken longer than 0.2 s. Safe to call from several threads.
+class Progress {
+public:
+    explicit Progress(std::string label, size_t total);
+    ~Progress(); // ends the line
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    // Work done since the last call. Throws Interrupted after Ctrl-C.
+    void advance(size_t units);
+
+private:
+    void draw();
+    std::string label_;
+    size_t total_;
+    std::atomic<size_t> done_{0};
+    std::chrono::steady_clock::time_point start_;
+    std::atomic<int64_t> nextDrawMs_{200};
+    std::mutex mutex_;
+    bool terminal_;
+    bool drawn_ = false;
+};
+
+// Installs handlers for SIGINT and SIGTERM that only set a flag; a second signal ends the process.
+void catchInterrupts();
+bool interrupted();
+
+} // namespace lumel
