@@ -1,0 +1,155 @@
+// A row of balls, each with its own relief: what separates methods of filtering it.
+#include "brick.h"
+#include "gltf_writer.h"
+#include "scenes.h"
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tbb/parallel_for.h>
+
+namespace lumel::assets {
+namespace {
+
+constexpr float kPi = float(std::numbers::pi);
+constexpr float kRadius = 0.1f; // metres
+
+// Reliefs and colours are functions of the point on the unit sphere, so charts meet without a seam.
+
+float bumpy(glm::vec3 p)
+{
+    return fbm3(9.0f * p, 2, 61) + 0.5f * smooth(0.0f, 0.5f, noise3(17.0f * p, 67));
+}
+
+// Scratches are thin grooves along pieces of circles on the sphere: planes that cut it.
+float scratched(glm::vec3 p)
+{
+    constexpr int kScratches = 260;
+    float height = 0.06f * fbm3(5.0f * p, 2, 71);
+    for (int i = 0; i < kScratches; ++i) {
+        const float z = 2.0f * random01(i, 1) - 1.0f, angle = 2.0f * kPi * random01(i, 2);
+        const glm::vec3 axis(std::sqrt(1.0f - z * z) * std::cos(angle), z,
+                             std::sqrt(1.0f - z * z) * std::sin(angle));
+        const float offset = 1.2f * random01(i, 3) - 0.6f;
+        const float across = glm::dot(p, axis) - offset; // radians, nearly
+        constexpr float kWidth = 0.0075f;                // 1.5 texels
+        if (std::abs(across) > 4.0f * kWidth)
+            continue;
+        // Each covers part of its circle and thins out towards its ends.
+        const glm::vec3 u = glm::normalize(glm::cross(axis, glm::vec3(0.31f, 0.7f, 0.64f))),
+                        v = glm::cross(axis, u);
+        const float along = std::atan2(glm::dot(p, v), glm::dot(p, u));
+        const float reach = 0.4f + 1.6f * random01(i, 4);
+        const float fading = smooth(reach, 0.6f * reach, std::abs(along));
+        const float t = across / kWidth;
+        height -= (0.3f + 0.7f * random01(i, 5)) * fading * (1.0f - 0.35f * t * t) * std::exp(-0.5f * t * t);
+    }
+    return height;
+}
+
+// Bricks in rings of latitude; each ring has a whole number of bricks, a round one closes each pole.
+BrickPlace brickOnBall(glm::vec3 p)
+{
+    constexpr int kRows = 13;
+    const float rowHeight = kPi / float(kRows); // radians
+    const float polar = std::acos(glm::clamp(p.y, -1.0f, 1.0f));
+    const int row = std::min(int(polar / rowHeight), kRows - 1);
+    if (row == 0 || row == kRows - 1) {
+        const float r = (row == 0 ? polar : kPi - polar) / rowHeight;
+        return {{r, 0.0f}, {1.0f, 10.0f}, row};
+    }
+    const float ring = std::sin((float(row) + 0.5f) * rowHeight); // radius at the row's middle
+    const int count = std::max(3, int(std::round(kPi * ring / rowHeight)));
+    const float turn = std::atan2(p.z, p.x) / (2.0f * kPi) + 0.5f;
+    const float along = turn * float(count) + (row % 2 ? 0.5f : 0.0f);
+    const float column = std::floor(along);
+    const float halfLength = kPi * ring / rowHeight / float(count);
+    const glm::vec2 local((along - column - 0.5f) * 2.0f * halfLength, polar / rowHeight - float(row) - 0.5f);
+    return {local, {halfLength, 0.5f}, row * 100 + int(column) % count};
+}
+
+float bricked(glm::vec3 p)
+{
+    return brickHeight(brickOnBall(p), 4.1f * p); // 13 rows over pi radians: 4.1 bricks a unit
+}
+
+// Hammer blows: overlapping shallow dents around scattered points, one in each cell of a lattice.
+float hammered(glm::vec3 p)
+{
+    constexpr float kCells = 9.0f; // across the radius
+    const glm::vec3 q = kCells * p;
+    const glm::ivec3 cell = glm::ivec3(glm::floor(q));
+    float nearest = std::numeric_limits<float>::max();
+    for (int k = 0; k < 27; ++k) {
+        const glm::ivec3 c = cell + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
+        const int id = int(hash(uint32_t(c.x) + hash(uint32_t(c.y) + hash(uint32_t(c.z)))));
+        const glm::vec3 offset(random01(id, 1), random01(id, 2), random01(id, 3));
+        const glm::vec3 to = glm::vec3(c) + offset - q;
+        nearest = std::min(nearest, glm::dot(to, to));
+    }
+    return std::min(nearest, 1.0f) + 0.05f * fbm3(3.0f * q, 2, 79);
+}
+
+// Brushed around the vertical axis: noise that is fine in latitude and long in longitude.
+float brushed(glm::vec3 p)
+{
+    const float turn = std::atan2(p.z, p.x) / (2.0f * kPi) + 0.5f;
+    const float latitude = std::asin(glm::clamp(p.y, -1.0f, 1.0f));
+    return 0.7f * noise2({14.0f * turn, latitude * 95.0f}, 83, 14) +
+           0.5f * noise2({37.0f * turn, latitude * 60.0f}, 89, 37) +
+           0.6f * noise2({5.0f * turn, latitude * 31.0f}, 97, 5);
+}
+
+struct BallLook {
+    const char* name;
+    float (*relief)(glm::vec3);
+    float slopeRms;
+    MaterialLook look;
+    bool brickColours = false;
+};
+
+const std::array<BallLook, 5> kBalls{{
+    {"bumpy", bumpy, 0.38f, {.baseColour = {0.02f, 0.10f, 0.30f}, .power = 260.0f}},
+    {"scratched", scratched, 0.22f, {.baseColour = {0.60f, 0.61f, 0.63f}, .metallic = 1.0f, .power = 600.0f}},
+    {"bricks", bricked, 0.40f, {.baseColour = glm::vec3(1.0f), .power = 60.0f}, true},
+    {"hammered", hammered, 0.28f, {.baseColour = {0.93f, 0.52f, 0.36f}, .metallic = 1.0f, .power = 320.0f}},
+    {"brushed", brushed, 0.25f, {.baseColour = {1.0f, 0.74f, 0.32f}, .metallic = 1.0f, .power = 260.0f}},
+}};
+
+} // namespace
+
+void writeBalls(const std::filesystem::path& folder)
+{
+    GltfWriter gltf(folder, "balls");
+    std::array<HeightMap, kBalls.size()> reliefs;
+    tbb::parallel_for(size_t(0), kBalls.size(), [&](size_t i) {
+        reliefs[i] =
+            makeHeight(kBallMap, [&](glm::vec2 texel) { return kBalls[i].relief(ballPoint(texel)); });
+        setSlope(reliefs[i], kBalls[i].slopeRms);
+    });
+    const Image brickColours = makeColour(kBallMap, [](glm::vec2 texel) {
+        const glm::vec3 p = ballPoint(texel);
+        return brickColour(brickOnBall(p), 4.1f * p);
+    });
+    const int shape = gltf.addShape(ball(kRadius, 32));
+    for (size_t i = 0; i < kBalls.size(); ++i) {
+        MaterialLook look = kBalls[i].look;
+        look.heightImage = gltf.addHeight(kBalls[i].name, reliefs[i]);
+        if (kBalls[i].brickColours)
+            look.colourImage = gltf.addColour(kBalls[i].name, brickColours);
+        const int material = gltf.addMaterial(kBalls[i].name, look);
+        gltf.addObject(kBalls[i].name, shape, material, {2.3f * kRadius * (float(i) - 2.0f), kRadius, 0.0f});
+    }
+    const int floor = gltf.addMaterial("floor", {.baseColour = {0.06f, 0.06f, 0.065f}, .power = 30.0f});
+    gltf.addObject("floor", gltf.addShape(floorGrid(4.0f, 4.0f, 8)), floor);
+
+    gltf.addCamera("default", {0.0f, 0.26f, 1.05f}, {0.0f, 0.09f, 0.0f}, 40.0f, 0.02f);
+    gltf.addCamera("near", {0.10f, 0.17f, 0.40f}, {0.02f, 0.095f, 0.0f}, 40.0f, 0.01f);
+    gltf.addCamera("far", {0.6f, 1.1f, 3.6f}, {0.0f, 0.05f, 0.0f}, 30.0f, 0.05f);
+    gltf.addDirectional("key", {-0.6f, 0.9f, 0.7f}, {1.0f, 0.94f, 0.84f}, 3.2f);
+    gltf.addDirectional("rim", {0.8f, 0.5f, -0.6f}, {0.65f, 0.80f, 1.0f}, 3.0f);
+    gltf.addDirectional("fill", {0.7f, 0.3f, 0.8f}, {0.9f, 0.95f, 1.0f}, 0.7f);
+    gltf.write();
+}
+
+} // namespace lumel::assets

@@ -1,0 +1,187 @@
+#include "gltf_writer.h"
+#include "core/file.h"
+#include <cmath>
+#include <cstddef>
+
+namespace lumel::assets {
+namespace {
+
+using nlohmann::json;
+
+// Numbers of the glTF 2.0 specification (those of WebGL).
+constexpr int kFloat = 5126, kUnsignedInt = 5125, kClampToEdge = 33071, kLinear = 9729,
+              kLinearMipLinear = 9987;
+
+json toJson(glm::vec3 v)
+{
+    return {v.x, v.y, v.z};
+}
+
+// The rotation that turns -Z, where glTF's cameras and lights look, towards `forward`.
+json rotationTo(glm::vec3 forward)
+{
+    const glm::vec3 up = std::abs(forward.y) > 0.999f ? glm::vec3(0, 0, -1) : glm::vec3(0, 1, 0);
+    const glm::quat q = glm::quatLookAt(glm::normalize(forward), up);
+    return {q.x, q.y, q.z, q.w};
+}
+
+} // namespace
+
+GltfWriter::GltfWriter(std::filesystem::path folder, std::string name)
+    : folder_(std::move(folder)), name_(std::move(name))
+{
+    std::filesystem::create_directories(folder_);
+    json_["asset"] = {{"version", "2.0"}, {"generator", "lumel-assets"}, {"copyright", "CC0 1.0"}};
+    json_["extensionsUsed"] = {"KHR_lights_punctual"};
+    json_["samplers"] = {{{"magFilter", kLinear},
+                          {"minFilter", kLinearMipLinear},
+                          {"wrapS", kClampToEdge},
+                          {"wrapT", kClampToEdge}}};
+    json_["scene"] = 0;
+    json_["scenes"] = {{{"name", name_}, {"nodes", json::array()}}};
+}
+
+int GltfWriter::addTexture(const std::string& file)
+{
+    json_["images"].push_back({{"uri", file}});
+    json_["textures"].push_back({{"sampler", 0}, {"source", json_["images"].size() - 1}});
+    return int(json_["textures"].size()) - 1;
+}
+
+int GltfWriter::addColour(const std::string& name, const Image& image)
+{
+    const std::string file = name_ + "_" + name + ".png";
+    writePng(folder_ / file, image, 8);
+    return addTexture(file);
+}
+
+int GltfWriter::addHeight(const std::string& name, const HeightMap& map)
+{
+    const std::string height = name_ + "_" + name + "_height.png",
+                      normal = name_ + "_" + name + "_normal.png";
+    writePng(folder_ / height, map.image, 16);
+    writePng(folder_ / normal, normalFromHeight(map), 8);
+    const int heightTexture = addTexture(height), normalTexture = addTexture(normal);
+    heights_.push_back({heightTexture, normalTexture, map.scale});
+    return int(heights_.size()) - 1;
+}
+
+int GltfWriter::addMaterial(const std::string& name, const MaterialLook& look)
+{
+    // alpha = roughness^2 and p = 2 / alpha^2 - 2 (Walter et al. 2007, section 5.2), solved for roughness.
+    const float roughness = std::pow(2.0f / (look.power + 2.0f), 0.25f);
+    json material = {{"name", name},
+                     {"pbrMetallicRoughness",
+                      {{"baseColorFactor", {look.baseColour.r, look.baseColour.g, look.baseColour.b, 1.0f}},
+                       {"metallicFactor", look.metallic},
+                       {"roughnessFactor", roughness}}},
+                     {"extras", {{"lumel", {{"power", look.power}}}}}};
+    if (look.colourImage >= 0)
+        material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", look.colourImage}};
+    if (look.heightImage >= 0) {
+        const HeightTextures& maps = heights_[size_t(look.heightImage)];
+        material["normalTexture"] = {{"index", maps.normal}};
+        material["extras"]["lumel"]["heightTexture"] = {{"index", maps.height}};
+        material["extras"]["lumel"]["heightScale"] = maps.scale;
+    }
+    json_["materials"].push_back(std::move(material));
+    return int(json_["materials"].size()) - 1;
+}
+
+int GltfWriter::addAccessor(const void* data, size_t bytes, int componentType, size_t count, const char* type)
+{
+    json_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bin_.size()}, {"byteLength", bytes}});
+    bin_.append(static_cast<const char*>(data), bytes); // all parts are multiples of 4: stays aligned
+    json_["accessors"].push_back({{"bufferView", json_["bufferViews"].size() - 1},
+                                  {"componentType", componentType},
+                                  {"count", count},
+                                  {"type", type}});
+    return int(json_["accessors"].size()) - 1;
+}
+
+int GltfWriter::addShape(const Shape& shape)
+{
+    std::vector<glm::vec3> positions, normals;
+    std::vector<glm::vec4> tangents;
+    std::vector<glm::vec2> uvs;
+    Bounds bounds;
+    for (const Vertex& v : shape.vertices) {
+        positions.push_back(v.position);
+        normals.push_back(v.normal);
+        tangents.push_back(v.tangent);
+        uvs.push_back(v.uv);
+        bounds.add(v.position);
+    }
+    const size_t n = shape.vertices.size();
+    json attributes;
+    attributes["POSITION"] = addAccessor(positions.data(), n * sizeof positions[0], kFloat, n, "VEC3");
+    json_["accessors"].back()["min"] = toJson(bounds.lower);
+    json_["accessors"].back()["max"] = toJson(bounds.upper);
+    attributes["NORMAL"] = addAccessor(normals.data(), n * sizeof normals[0], kFloat, n, "VEC3");
+    attributes["TANGENT"] = addAccessor(tangents.data(), n * sizeof tangents[0], kFloat, n, "VEC4");
+    attributes["TEXCOORD_0"] = addAccessor(uvs.data(), n * sizeof uvs[0], kFloat, n, "VEC2");
+    const int indices = addAccessor(shape.indices.data(), shape.indices.size() * 4, kUnsignedInt,
+                                    shape.indices.size(), "SCALAR");
+    shapes_.push_back({{"attributes", attributes}, {"indices", indices}});
+    return int(shapes_.size()) - 1;
+}
+
+int GltfWriter::addNode(json node)
+{
+    json_["nodes"].push_back(std::move(node));
+    const int index = int(json_["nodes"].size()) - 1;
+    json_["scenes"][0]["nodes"].push_back(index);
+    return index;
+}
+
+void GltfWriter::addObject(const std::string& name, int shape, int material, glm::vec3 position)
+{
+    json primitive = shapes_[size_t(shape)]; // a shape drawn with several materials shares its vertices
+    primitive["material"] = material;
+    json_["meshes"].push_back({{"name", name}, {"primitives", {primitive}}});
+    addNode({{"name", name}, {"mesh", json_["meshes"].size() - 1}, {"translation", toJson(position)}});
+}
+
+void GltfWriter::addCamera(const std::string& name, glm::vec3 eye, glm::vec3 target, float yFovDegrees,
+                           float nearMetres)
+{
+    json_["cameras"].push_back(
+        {{"name", name},
+         {"type", "perspective"},
+         {"perspective", {{"yfov", glm::radians(yFovDegrees)}, {"znear", nearMetres}}}});
+    addNode({{"name", name},
+             {"camera", json_["cameras"].size() - 1},
+             {"translation", toJson(eye)},
+             {"rotation", rotationTo(target - eye)}});
+}
+
+void GltfWriter::addLight(const std::string& name, const char* type, glm::vec3 colour, float intensity,
+                          json place)
+{
+    json& lights = json_["extensions"]["KHR_lights_punctual"]["lights"];
+    lights.push_back({{"name", name}, {"type", type}, {"color", toJson(colour)}, {"intensity", intensity}});
+    place["name"] = name;
+    place["extensions"] = {{"KHR_lights_punctual", {{"light", lights.size() - 1}}}};
+    addNode(std::move(place));
+}
+
+void GltfWriter::addDirectional(const std::string& name, glm::vec3 from, glm::vec3 colour, float lux)
+{
+    addLight(name, "directional", colour, lux, {{"rotation", rotationTo(-from)}});
+}
+
+void GltfWriter::addPoint(const std::string& name, glm::vec3 position, glm::vec3 colour, float candela)
+{
+    addLight(name, "point", colour, candela, {{"translation", toJson(position)}});
+}
+
+void GltfWriter::write() const
+{
+    writeFileAtomically(folder_ / (name_ + ".bin"), bin_);
+    json document = json_;
+    document["buffers"] = {{{"uri", name_ + ".bin"}, {"byteLength", bin_.size()}}};
+    // The .gltf comes last: it stands for the whole scene in the build.
+    writeFileAtomically(folder_ / (name_ + ".gltf"), document.dump(1) + "\n");
+}
+
+} // namespace lumel::assets

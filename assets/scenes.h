@@ -1,0 +1,11 @@
+// One function a scene.
+#pragma once
+#include <filesystem>
+
+namespace lumel::assets {
+
+void writeRecord(const std::filesystem::path& folder);
+void writeBalls(const std::filesystem::path& folder);
+void writeBricks(const std::filesystem::path& folder);
+
+} // namespace lumel::assets
