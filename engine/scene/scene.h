@@ -42,8 +42,8 @@ struct Material {
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;
-    // material.extras.lumel = { "heightTexture": {"index": i}, "heightScale": s, "power": p }: a height map for the
-    // baker in place of a normal map (ours; other viewers ignore it and use normalTexture).
+    // material.extras.lumel = { "heightTexture": {"index": i}, "heightScale": s, "power": p }: a height map
+    // for the baker in place of a normal map (ours; other viewers ignore it and use normalTexture).
     int heightImage = -1;
     float heightScale = 0.0f; // height of value 1 in units of the map's width
     float power = 0.0f;       // Blinn-Phong power in place of the roughness; 0 = use the roughness
@@ -79,7 +79,7 @@ struct Light {
     LightType type = LightType::directional;
     glm::vec3 colour{1.0f}; // linear
     float intensity = 1.0f;
-    float range = 0.0f; // metres; 0 = unlimited
+    float range = 0.0f;                             // metres; 0 = unlimited
     float innerCone = 0.0f, outerCone = 0.7853982f; // radians
     glm::vec3 position{0.0f};
     glm::vec3 direction{0.0f, -1.0f, 0.0f}; // the way the light travels, unit length

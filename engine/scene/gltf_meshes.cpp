@@ -1,0 +1,202 @@
+// glTF meshes to triangle lists with complete vertices.
+#include "gltf_reader.h"
+#include "uv_check.h"
+#include "vertex_frames.h"
+#include <numeric>
+
+namespace lumel::scene {
+namespace {
+
+constexpr uint32_t kUnused = ~0u;
+
+int attribute(const tinygltf::Primitive& primitive, const char* name)
+{
+    const auto found = primitive.attributes.find(name);
+    return found == primitive.attributes.end() ? -1 : found->second;
+}
+
+bool isTriangles(int mode)
+{
+    return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+           mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
+// glTF 2.0, section 3.7.2.1 "Topology types", with its winding. Triangles that name a vertex twice cover
+// nothing and are left out.
+std::vector<uint32_t> triangleList(const std::vector<uint32_t>& in, int mode)
+{
+    std::vector<uint32_t> out;
+    const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
+        if (a != b && b != c && c != a)
+            out.insert(out.end(), {a, b, c});
+    };
+    if (mode == TINYGLTF_MODE_TRIANGLES)
+        for (size_t i = 0; i + 2 < in.size(); i += 3)
+            add(in[i], in[i + 1], in[i + 2]);
+    else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+        for (size_t i = 0; i + 2 < in.size(); ++i)
+            add(in[i], in[i + 1 + i % 2], in[i + 2 - i % 2]);
+    else
+        for (size_t i = 0; i + 2 < in.size(); ++i)
+            add(in[i + 1], in[i + 2], in[0]);
+    return out;
+}
+
+// Keeps only the vertices that triangles use, in their order: exporters let many primitives share one
+// large vertex buffer.
+void dropUnused(Mesh& mesh)
+{
+    std::vector<uint32_t> renamed(mesh.vertices.size(), kUnused);
+    for (uint32_t index : mesh.indices)
+        renamed[index] = 0;
+    uint32_t count = 0;
+    for (size_t i = 0; i < renamed.size(); ++i) {
+        if (renamed[i] == kUnused)
+            continue;
+        mesh.vertices[count] = mesh.vertices[i];
+        renamed[i] = count++;
+    }
+    mesh.vertices.resize(count);
+    for (uint32_t& index : mesh.indices)
+        index = renamed[index];
+}
+
+struct Attributes {
+    int position, normal, tangent, uv;
+};
+
+std::vector<float> readAttribute(const Reader& reader, int accessor, int components, Storage storage,
+                                 const char* what, size_t vertexCount)
+{
+    if (accessor < 0)
+        return {};
+    if (accessorCount(reader, accessor) != vertexCount)
+        reader.fail(fmt::format("{} (accessor {}) has {} elements for {} vertices", what, accessor,
+                                accessorCount(reader, accessor), vertexCount));
+    return readFloats(reader, accessor, components, storage, what);
+}
+
+void readVertices(Reader& reader, const Attributes& use, Mesh& mesh)
+{
+    const size_t count = accessorCount(reader, use.position);
+    if (count > kMaxVertices)
+        reader.fail(fmt::format("a mesh of {} vertices exceeds the limit of {}", count, kMaxVertices),
+                    "split the mesh");
+    const auto positions = readAttribute(reader, use.position, 3, Storage::floatOnly, "POSITION", count);
+    const auto normals = readAttribute(reader, use.normal, 3, Storage::floatOnly, "NORMAL", count);
+    const auto tangents = readAttribute(reader, use.tangent, 4, Storage::floatOnly, "TANGENT", count);
+    const auto uvs = readAttribute(reader, use.uv, 2, Storage::floatOrUnorm, "TEXCOORD_0", count);
+    mesh.vertices.assign(count, Vertex{});
+    for (size_t i = 0; i < count; ++i) {
+        Vertex& v = mesh.vertices[i];
+        v.position = {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
+        if (!normals.empty())
+            v.normal = {normals[3 * i], normals[3 * i + 1], normals[3 * i + 2]};
+        if (!tangents.empty())
+            v.tangent = {tangents[4 * i], tangents[4 * i + 1], tangents[4 * i + 2], tangents[4 * i + 3]};
+        if (!uvs.empty())
+            v.uv = {uvs[2 * i], uvs[2 * i + 1]};
+    }
+}
+
+void readTriangles(Reader& reader, const tinygltf::Primitive& primitive, Mesh& mesh)
+{
+    std::vector<uint32_t> indices;
+    if (primitive.indices >= 0) {
+        indices = readIndices(reader, primitive.indices, mesh.vertices.size());
+    } else {
+        indices.resize(mesh.vertices.size());
+        std::iota(indices.begin(), indices.end(), 0u);
+    }
+    if (primitive.mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0)
+        reader.fail(fmt::format("mesh '{}' has {} indices, no multiple of 3", mesh.name, indices.size()));
+    mesh.indices = triangleList(indices, primitive.mode);
+}
+
+void completeFrames(const Attributes& use, Mesh& mesh)
+{
+    if (use.normal < 0)
+        makeFlatNormals(mesh);
+    else
+        repairNormals(mesh);
+    if (use.tangent >= 0 && use.normal >= 0) // without normals the file's tangents count for nothing
+        repairTangents(mesh);
+    else if (use.uv >= 0)
+        makeTangents(mesh);
+    else
+        makeArbitraryTangents(mesh);
+}
+
+void noteUndrawn(Reader& reader, const tinygltf::Primitive& primitive)
+{
+    auto& ignored = reader.document.ignored;
+    if (primitive.attributes.contains("COLOR_0"))
+        ignored.insert("vertex colours");
+    if (primitive.attributes.contains("TEXCOORD_1"))
+        ignored.insert("further UV sets");
+    if (!primitive.targets.empty())
+        ignored.insert("morph targets");
+    if (!isTriangles(primitive.mode))
+        ignored.insert("points and lines");
+}
+
+// Index into scene.meshes, or -1 when there is nothing to draw.
+int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const std::string& name, Scene& scene)
+{
+    noteUndrawn(reader, primitive);
+    if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
+        reader.fail(fmt::format("mesh '{}' has the unknown mode {}", name, primitive.mode));
+    if (!isTriangles(primitive.mode))
+        return -1;
+    const Attributes use = {attribute(primitive, "POSITION"), attribute(primitive, "NORMAL"),
+                            attribute(primitive, "TANGENT"), attribute(primitive, "TEXCOORD_0")};
+    if (use.position < 0)
+        reader.fail(fmt::format("mesh '{}' has no POSITION", name));
+    Mesh mesh;
+    mesh.name = name;
+    readVertices(reader, use, mesh);
+    readTriangles(reader, primitive, mesh);
+    if (mesh.indices.empty())
+        return -1;
+    dropUnused(mesh);
+    completeFrames(use, mesh);
+    for (const Vertex& v : mesh.vertices)
+        mesh.bounds.add(v.position);
+    mesh.uvProblem = use.uv < 0 ? "no UVs" : findUvProblem(mesh);
+    reader.sceneVertices += mesh.vertices.size();
+    if (reader.sceneVertices > kMaxSceneVertices)
+        reader.fail(fmt::format("more than {} vertices", kMaxSceneVertices), "split the model");
+    scene.meshes.push_back(std::move(mesh));
+    return int(scene.meshes.size()) - 1;
+}
+
+} // namespace
+
+std::vector<Primitive> readMesh(Reader& reader, int index, Scene& scene, PrimitiveCache& cache)
+{
+    if (index < 0 || size_t(index) >= reader.model.meshes.size())
+        reader.fail(fmt::format("mesh {} does not exist", index));
+    const tinygltf::Mesh& mesh = reader.model.meshes[size_t(index)];
+    const std::string name = mesh.name.empty() ? fmt::format("mesh {}", index) : mesh.name;
+    std::vector<Primitive> primitives;
+    for (size_t i = 0; i < mesh.primitives.size(); ++i) {
+        const tinygltf::Primitive& p = mesh.primitives[i];
+        if (p.material < -1 || p.material >= int(reader.model.materials.size()))
+            reader.fail(fmt::format("mesh '{}' names material {}, which does not exist", name, p.material));
+        const std::vector<int> key = {p.mode,
+                                      p.indices,
+                                      attribute(p, "POSITION"),
+                                      attribute(p, "NORMAL"),
+                                      attribute(p, "TANGENT"),
+                                      attribute(p, "TEXCOORD_0")};
+        const auto [entry, isNew] = cache.try_emplace(key, -1);
+        if (isNew)
+            entry->second = makeMesh(
+                reader, p, mesh.primitives.size() == 1 ? name : fmt::format("{}#{}", name, i), scene);
+        if (entry->second >= 0)
+            primitives.push_back({entry->second, p.material});
+    }
+    return primitives;
+}
+
+} // namespace lumel::scene

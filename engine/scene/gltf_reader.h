@@ -1,0 +1,61 @@
+// The parts of the glTF loader share this: a parsed model, its bytes, and how to fail.
+// The only file that includes tinygltf; gltf_*.cpp are the only ones that include this.
+#pragma once
+#include "core/error.h"
+#include "gltf_document.h"
+#include "scene.h"
+#include <fmt/format.h>
+#include <map>
+#include <span>
+#include <tiny_gltf.h>
+
+namespace lumel::scene {
+
+// Limits, each with what it bounds.
+inline constexpr size_t kMaxVertices = size_t(1) << 24;      // of one mesh; 48 bytes each: 768 MiB
+inline constexpr size_t kMaxSceneVertices = size_t(1) << 26; // of all meshes: 3 GiB
+inline constexpr size_t kMaxObjects = size_t(1) << 20;       // nodes times primitives, before any is made
+inline constexpr int kMaxNodeDepth = 256;                    // deeper trees are damage, not design
+
+struct Reader {
+    Document document;
+    tinygltf::Model model;
+    size_t sceneVertices = 0;
+
+    // "file: why; remedy"
+    [[noreturn]] void fail(const std::string& why, const char* remedy = "export it again") const
+    {
+        throw Error(fmt::format("{}: {}; {}", document.file, why, remedy));
+    }
+};
+
+// Bytes of a buffer view. Throws Error unless it lies inside its buffer.
+std::span<const std::byte> bufferViewBytes(const Reader& reader, int view);
+
+// Which storage glTF 2.0, section 3.7.2.1, allows an attribute.
+enum class Storage { floatOnly, floatOrUnorm };
+
+// All elements of an accessor, `components` floats each, normalised integers decoded, sparse values
+// applied. Every range is checked before a byte is read. Throws Error also for NaN and infinity.
+std::vector<float> readFloats(const Reader& reader, int accessor, int components, Storage storage,
+                              const char* what);
+// Vertex indices, each below vertexCount.
+std::vector<uint32_t> readIndices(const Reader& reader, int accessor, size_t vertexCount);
+// Number of elements; checks only the accessor's index.
+size_t accessorCount(const Reader& reader, int accessor);
+
+// The mesh's drawable primitives as meshes of the scene, made once however often they are used.
+struct Primitive {
+    int mesh;
+    int material; // -1: the default material
+};
+using PrimitiveCache =
+    std::map<std::vector<int>, int>; // accessors and mode to Scene::meshes, -1 not drawable
+std::vector<Primitive> readMesh(Reader& reader, int mesh, Scene& scene, PrimitiveCache& cache);
+
+void readMaterials(Reader& reader, Scene& scene);
+void readImages(Reader& reader, Scene& scene);
+// Objects, cameras and lights of the default scene, and the scene's bounds.
+void readNodes(Reader& reader, Scene& scene);
+
+} // namespace lumel::scene

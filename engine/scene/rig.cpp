@@ -1,0 +1,55 @@
+// The camera and the lights of files that bring none.
+#include "scene.h"
+
+namespace lumel::scene {
+
+Camera frameBounds(const Bounds& bounds, float aspect)
+{
+    Camera camera;
+    camera.name = "frame";
+    if (bounds.empty() || !(aspect > 0.0f))
+        return camera;
+    // glTF's front is +Z: a third to the right, a quarter above.
+    const glm::vec3 back = glm::normalize(glm::vec3(0.45f, 0.32f, 1.0f));
+    const glm::vec3 right = glm::normalize(glm::cross(camera.up, back));
+    const glm::vec3 up = glm::cross(back, right);
+    const float tanY = std::tan(0.5f * camera.yFov);
+    constexpr float kMargin = 1.08f; // air around the object
+    float distance = 0.0f;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p = glm::vec3(corner & 1 ? bounds.upper.x : bounds.lower.x,
+                                      corner & 2 ? bounds.upper.y : bounds.lower.y,
+                                      corner & 4 ? bounds.upper.z : bounds.lower.z) -
+                            bounds.centre();
+        const float half = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / aspect);
+        distance = std::max(distance, glm::dot(p, back) + kMargin * half / tanY);
+    }
+    // A flat sheet seen edge on, or a single point, still needs room before the near plane.
+    const float radius = std::max(bounds.radius(), 1e-6f);
+    distance = std::max(distance, 1.1f * radius);
+    camera.target = bounds.centre();
+    camera.eye = camera.target + distance * back;
+    camera.nearMetres = std::max(0.5f * (distance - radius), 0.01f * distance);
+    return camera;
+}
+
+// Tuned on a white diffuse ball (Kd = 1): with Lo = Ei / pi Kd cos, the brightest point facing the camera
+// reaches a radiance of about 0.8, its dark side 0.1, and the rim a line as bright as the key.
+std::vector<Light> threeLightRig()
+{
+    const auto light = [](const char* name, glm::vec3 from, glm::vec3 colour, float lux) {
+        Light result;
+        result.name = name;
+        result.colour = colour;
+        result.intensity = lux;
+        result.direction = -glm::normalize(from);
+        return result;
+    };
+    return {
+        light("key", {0.8f, 1.0f, 0.8f}, {1.0f, 0.94f, 0.84f}, 2.35f),
+        light("fill", {-1.0f, 0.2f, 0.8f}, {0.78f, 0.88f, 1.0f}, 0.6f),
+        light("rim", {-0.6f, 0.7f, -1.0f}, {0.95f, 0.97f, 1.0f}, 2.4f),
+    };
+}
+
+} // namespace lumel::scene

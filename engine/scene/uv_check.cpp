@@ -1,0 +1,249 @@
+// Triangles are laid down one after another. A grid tells which earlier ones are near; of these, the
+// ones whose interior meets the new triangle's are cut out of it, and what is missing in the end was
+// covered before. Summed up, this is (total area - covered area), exact for any number of layers.
+#include "uv_check.h"
+#include <array>
+#include <fmt/format.h>
+
+namespace lumel::scene {
+namespace {
+
+using Vec2 = glm::dvec2;
+using Polygon = std::vector<Vec2>; // convex, counter-clockwise
+
+constexpr double kOutside = 1e-4; // how far UVs may leave [0, 1]: under half a lumel of a 4096^2 texture
+
+// Tolerances. Lumels are points on a grid of at most 4096^2. Two triangles that sink into each other
+// by less than a quarter of a lumel (16-bit UVs at T-junctions do, by 1/65536) share none in practice;
+// but no more than a twentieth of the thinner triangle counts as touching, so that fine meshes stacked
+// on each other are found. A total overlap with room for less than one lumel is none.
+constexpr double kTouchDepth = 0.25 / 4096.0;
+constexpr double kTouchFraction = 0.05;
+constexpr double kLumelArea = 1.0 / (4096.0 * 4096.0);
+
+// Pairs and pieces looked at before giving up: about a second. Meshes take some 50 a triangle; only
+// thousands of triangles through one spot come here, and they overlap.
+constexpr size_t kMaxWork = 60'000'000;
+
+struct Triangle {
+    std::array<Vec2, 3> p; // counter-clockwise
+    Vec2 lower, upper;
+    double area;
+    double height; // smallest
+};
+
+// Twice the signed area. UVs are floats, so the differences are exact in double, and with them the sign.
+double cross(Vec2 a, Vec2 b, Vec2 c)
+{
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+std::vector<Triangle> trianglesOf(const Mesh& mesh)
+{
+    std::vector<Triangle> triangles;
+    triangles.reserve(mesh.indices.size() / 3);
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        Triangle t;
+        for (size_t c = 0; c < 3; ++c)
+            t.p[c] = Vec2(mesh.vertices[mesh.indices[i + c]].uv);
+        double twice = cross(t.p[0], t.p[1], t.p[2]);
+        if (twice < 0.0) {
+            std::swap(t.p[1], t.p[2]);
+            twice = -twice;
+        }
+        const double longest = std::max(
+            {glm::distance(t.p[0], t.p[1]), glm::distance(t.p[1], t.p[2]), glm::distance(t.p[2], t.p[0])});
+        if (twice == 0.0) // no interior, nothing to overlap
+            continue;
+        t.area = 0.5 * twice;
+        t.height = twice / longest;
+        t.lower = glm::min(t.p[0], glm::min(t.p[1], t.p[2]));
+        t.upper = glm::max(t.p[0], glm::max(t.p[1], t.p[2]));
+        triangles.push_back(t);
+    }
+    return triangles;
+}
+
+// How far `b` reaches over the edge of `a` that it reaches over least; not positive when that edge
+// separates them (separating axis theorem).
+double depthInto(const Triangle& a, const Triangle& b)
+{
+    double least = std::numeric_limits<double>::max();
+    for (size_t e = 0; e < 3; ++e) {
+        const Vec2 p = a.p[e], q = a.p[(e + 1) % 3];
+        const double over = std::max({cross(p, q, b.p[0]), cross(p, q, b.p[1]), cross(p, q, b.p[2])});
+        if (over <= 0.0)
+            return 0.0;
+        least = std::min(least, over / glm::distance(p, q));
+    }
+    return least;
+}
+
+bool interiorsMeet(const Triangle& a, const Triangle& b)
+{
+    const double touching = std::min(kTouchDepth, kTouchFraction * std::min(a.height, b.height));
+    return a.lower.x < b.upper.x && b.lower.x < a.upper.x && a.lower.y < b.upper.y && b.lower.y < a.upper.y &&
+           depthInto(a, b) > touching && depthInto(b, a) > touching;
+}
+
+// The part of `polygon` on the left of the line p -> q (side = 1) or on its right (side = -1).
+Polygon clip(const Polygon& polygon, Vec2 p, Vec2 q, double side)
+{
+    Polygon result;
+    for (size_t i = 0; i < polygon.size(); ++i) {
+        const Vec2 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+        const double da = side * cross(p, q, a), db = side * cross(p, q, b);
+        if (da >= 0.0)
+            result.push_back(a);
+        if ((da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0))
+            result.push_back(a + (b - a) * (da / (da - db)));
+    }
+    return result;
+}
+
+double areaOf(const Polygon& polygon)
+{
+    double twice = 0.0;
+    for (size_t i = 1; i + 1 < polygon.size(); ++i)
+        twice += cross(polygon[0], polygon[i], polygon[i + 1]);
+    return 0.5 * twice;
+}
+
+// Cuts `hole` out of all pieces: what lies beyond each edge stays, what is inside of all three goes.
+void subtract(std::vector<Polygon>& pieces, const Triangle& hole)
+{
+    constexpr double kDust = 1e-18; // pieces too small to matter to any sum
+    std::vector<Polygon> rest;
+    for (Polygon& piece : pieces) {
+        for (size_t e = 0; e < 3 && piece.size() >= 3; ++e) {
+            const Vec2 p = hole.p[e], q = hole.p[(e + 1) % 3];
+            Polygon beyond = clip(piece, p, q, -1.0);
+            if (beyond.size() >= 3 && areaOf(beyond) > kDust)
+                rest.push_back(std::move(beyond));
+            piece = clip(piece, p, q, 1.0);
+        }
+    }
+    pieces = std::move(rest);
+}
+
+// Buckets of triangles by the cells of a square grid over [0, 1]^2 that their bounding boxes touch.
+class Grid {
+public:
+    explicit Grid(const std::vector<Triangle>& triangles)
+    {
+        // One cell a triangle, but coarser where long triangles would fill memory.
+        size_ = std::clamp(int(std::sqrt(double(triangles.size()))), 1, 2048);
+        while (size_ > 1 && entriesNeeded(triangles) > 16 * triangles.size() + (size_t(1) << 20))
+            size_ /= 2;
+        heads_.assign(size_t(size_) * size_t(size_), -1);
+    }
+
+    // Calls visit(cell's first entry) for each cell that the triangle's box touches.
+    template<class Visit>
+    void forCells(const Triangle& t, const Visit& visit)
+    {
+        for (int y = cell(t.lower.y); y <= cell(t.upper.y); ++y)
+            for (int x = cell(t.lower.x); x <= cell(t.upper.x); ++x)
+                visit(heads_[size_t(y) * size_t(size_) + size_t(x)]);
+    }
+
+    void insert(int triangle, const Triangle& t)
+    {
+        forCells(t, [&](int& head) {
+            entries_.push_back({triangle, head});
+            head = int(entries_.size()) - 1;
+        });
+    }
+
+    struct Entry {
+        int triangle;
+        int next;
+    };
+    const Entry& entry(int index) const { return entries_[size_t(index)]; }
+
+private:
+    int cell(double x) const { return std::clamp(int(x * size_), 0, size_ - 1); }
+
+    size_t entriesNeeded(const std::vector<Triangle>& triangles) const
+    {
+        size_t sum = 0;
+        for (const Triangle& t : triangles)
+            sum +=
+                size_t(cell(t.upper.x) - cell(t.lower.x) + 1) * size_t(cell(t.upper.y) - cell(t.lower.y) + 1);
+        return sum;
+    }
+
+    int size_ = 1;
+    std::vector<int> heads_;
+    std::vector<Entry> entries_;
+};
+
+} // namespace
+
+UvOverlap findUvOverlap(const Mesh& mesh)
+{
+    const std::vector<Triangle> triangles = trianglesOf(mesh);
+    Grid grid(triangles);
+    std::vector<int> visited(triangles.size(), -1); // the last triangle that looked at this one
+    UvOverlap result;
+    double total = 0.0;
+    size_t work = 0;
+    std::vector<Polygon> pieces;
+    for (int i = 0; i < int(triangles.size()); ++i) {
+        const Triangle& t = triangles[size_t(i)];
+        total += t.area;
+        if (!result.complete)
+            continue;
+        bool cut = false;
+        pieces.clear();
+        grid.forCells(t, [&](int head) {
+            for (; head >= 0; head = grid.entry(head).next) {
+                const int other = grid.entry(head).triangle;
+                ++work;
+                if (visited[size_t(other)] == i || work > kMaxWork)
+                    continue;
+                visited[size_t(other)] = i;
+                if (!interiorsMeet(t, triangles[size_t(other)]) || (cut && pieces.empty()))
+                    continue;
+                if (!cut)
+                    pieces.emplace_back(t.p.begin(), t.p.end());
+                cut = true;
+                work += 16 * pieces.size(); // a cut costs that many visits
+                subtract(pieces, triangles[size_t(other)]);
+            }
+        });
+        result.complete = work <= kMaxWork;
+        if (cut) {
+            double left = 0.0;
+            for (const Polygon& piece : pieces)
+                left += areaOf(piece);
+            result.area += std::clamp(t.area - left, 0.0, t.area);
+        }
+        grid.insert(i, t);
+    }
+    result.share = total > 0.0 ? result.area / total : 0.0;
+    return result;
+}
+
+std::string findUvProblem(const Mesh& mesh)
+{
+    bool spansArea = false;
+    for (const Vertex& v : mesh.vertices) {
+        if (v.uv.x < -kOutside || v.uv.y < -kOutside || v.uv.x > 1.0 + kOutside || v.uv.y > 1.0 + kOutside)
+            return "UVs leave [0, 1]";
+    }
+    for (size_t i = 0; i + 2 < mesh.indices.size() && !spansArea; i += 3)
+        spansArea =
+            cross(Vec2(mesh.vertices[mesh.indices[i]].uv), Vec2(mesh.vertices[mesh.indices[i + 1]].uv),
+                  Vec2(mesh.vertices[mesh.indices[i + 2]].uv)) != 0.0;
+    if (!spansArea)
+        return "UVs cover no area";
+    const UvOverlap overlap = findUvOverlap(mesh);
+    if (overlap.complete && overlap.area < kLumelArea)
+        return "";
+    const double percent = 100.0 * overlap.share;
+    return fmt::format("UVs overlap by {}{} %", overlap.complete ? "" : "at least ",
+                       percent >= 0.1 ? fmt::format("{:.1f}", percent) : fmt::format("{:.1g}", percent));
+}
+
+} // namespace lumel::scene
