@@ -7,13 +7,12 @@ namespace lumel::scene {
 // Empty when they are, else the reason, as Mesh::uvProblem documents it.
 std::string findUvProblem(const Mesh& mesh);
 
-// Share, in [0, 1], of the triangles' total UV area that lies on top of another triangle: 0 when none
-// overlap, (k - 1) / k for k congruent layers. Exact but for rounding. `complete` is false when the
-// triangles are so entangled that counting was given up; the share is then a lower bound.
+// UV areas, exact but for rounding; the whole texture is 1.
 struct UvOverlap {
-    double share = 0.0;
-    double area = 0.0; // UV area of that share
-    bool complete = true;
+    double covered = 0.0;  // by one triangle or more
+    double repeated = 0.0; // by two or more
+    bool complete = true;  // false: too entangled to count to the end; repeated is then a lower bound
+    double share() const { return covered > 0.0 ? repeated / covered : 0.0; }
 };
 UvOverlap findUvOverlap(const Mesh& mesh);
 
