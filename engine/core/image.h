@@ -1,8 +1,10 @@
 // Images as plain float arrays. The only place that touches OpenImageIO's readers and writers.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lumel {
@@ -33,6 +35,10 @@ Image readImage(std::span<const std::byte> bytes, const std::string& name);
 // Writes `file` whole or not at all. The extension chooses the format: .exr stores 16-bit half float,
 // .png and .jpg store 8 bit (values clamped to [0, 1] and rounded; the caller applies sRGB).
 void writeImage(const std::filesystem::path& file, const Image& image);
+
+// IEEE half floats, rounded to nearest; values beyond +-65504 become infinities.
+void floatsToHalf(std::span<const float> from, uint16_t* to);
+void halfToFloats(std::span<const uint16_t> from, float* to);
 
 // sRGB transfer functions, IEC 61966-2-1, piecewise. Negative values stay linear.
 float srgbToLinear(float encoded);

@@ -53,19 +53,43 @@ LUMEL_FN vec3 lobeTangentU(vec3 normal)
     return normalize(vec3(1.0f, 0.0f, 0.0f) - normal * normal.x);
 }
 
-// F(h) / Ks. covariance = (S.xx, S.xy, S.yy) in the frame (Tu, Tv) of the normal, positive definite.
-// Returns 0 for half vectors behind the lobe (N.h <= 0).
+// A lobe made ready for many half vectors: everything that does not depend on h. The three vectors may be
+// rotated into any orthonormal space (the shaders light in world space) as long as h is in it too.
+struct Lobe {
+    vec3 normal;
+    vec3 tangentU;
+    vec3 tangentV;
+    vec3 inverseCovariance; // P.xx, P.xy, P.yy in (tangentU, tangentV)
+    float scale;    // sqrt(det P)
+};
+
+// covariance = (S.xx, S.xy, S.yy) in the frame (Tu, Tv) of the normal, positive definite: P = S^-1.
+LUMEL_FN Lobe makeLobe(vec3 normal, vec3 covariance)
+{
+    Lobe lobe;
+    lobe.normal = normal;
+    lobe.tangentU = lobeTangentU(normal);
+    lobe.tangentV = cross(normal, lobe.tangentU);
+    float det = max(covariance.x * covariance.z - covariance.y * covariance.y, 1e-12f);
+    lobe.inverseCovariance = vec3(covariance.z, -covariance.y, covariance.x) / det;
+    lobe.scale = 1.0f / sqrt(det);
+    return lobe;
+}
+
+// F(h) / Ks. 0 for half vectors behind the lobe (N.h <= 0).
+LUMEL_FN float lobeShape(Lobe lobe, vec3 h)
+{
+    if (dot(lobe.normal, h) <= 0.0f)
+        return 0.0f;
+    float a = dot(lobe.tangentU, h);
+    float b = dot(lobe.tangentV, h);
+    float q = lobe.inverseCovariance.x * a * a + 2.0f * lobe.inverseCovariance.y * a * b + lobe.inverseCovariance.z * b * b;
+    return lobe.scale * exp(-q * lobeFalloff(a * a + b * b));
+}
+
 LUMEL_FN float lobeShape(vec3 normal, vec3 covariance, vec3 h)
 {
-    if (dot(normal, h) <= 0.0f)
-        return 0.0f;
-    vec3 tangentU = lobeTangentU(normal);
-    vec3 tangentV = cross(normal, tangentU);
-    float a = dot(tangentU, h);
-    float b = dot(tangentV, h);
-    float det = max(covariance.x * covariance.z - covariance.y * covariance.y, 1e-12f);
-    float q = (covariance.z * a * a - 2.0f * covariance.y * a * b + covariance.x * b * b) / det;
-    return exp(-q * lobeFalloff(a * a + b * b)) / sqrt(det);
+    return lobeShape(makeLobe(normal, covariance), h);
 }
 
 LUMEL_SHARED_END

@@ -1,0 +1,45 @@
+// The commands behind main(): options as plain data in, exit through Error or return.
+#pragma once
+#include "baker/bake.h"
+#include "gpu/device.h"
+#include "passes/settings.h"
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace lumel {
+
+struct BakeArguments {
+    std::filesystem::path height, normal, powerMap, roughness, tangentRotation, output;
+    float heightScale = 0.0f;
+    std::string normalGreen = "up";
+    std::string specular = "0.04", diffuse = "0"; // a number, r,g,b or an image
+    float power = 200.0f;
+    baker::Wrap wrap = baker::Wrap::repeat;
+    baker::Options options;
+    bool asFloat = false;
+};
+void runBake(const BakeArguments& arguments);
+
+struct ShotArguments {
+    std::filesystem::path scene, output, stats;
+    Settings settings;
+    std::string camera; // name or index; empty = the first, or one that frames the scene
+    std::optional<glm::vec3> eye, target;
+    float fovDegrees = 40.0f; // vertical, with eye and target
+    baker::Method filter = baker::Method::fit;
+    baker::Model model = baker::Model::ashikhminShirley;
+    bool useCache = true;
+    int threads = 0;
+    gpu::DeviceOptions device;
+};
+void runShot(const ShotArguments& arguments);
+
+struct CompareArguments {
+    std::filesystem::path a, b, output;
+    std::optional<double> psnrMin;
+};
+// False when the PSNR is below psnrMin.
+bool runCompare(const CompareArguments& arguments);
+
+} // namespace lumel

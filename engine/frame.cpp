@@ -1,0 +1,168 @@
+// recordFrame() is the frame: read it first.
+#include "frame.h"
+#include "core/error.h"
+#include "core/math.h"
+#include "core/progress.h"
+#include <chrono>
+
+namespace lumel {
+
+void Renderer::recordFrame(Frame& frame)
+{
+    if (settings_.shading == Shading::tsl) {
+        need_.record(frame);                // which level of each object does this view need?
+        assignRoom(frame);                  // which recycled texture does each object draw?
+        light_.recordLight(frame, pool_);   // light its texels, once: linear radiance
+        gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::computeReadWrite);
+        light_.recordLower(frame, pool_);   // derive the coarser levels
+    }
+    if (settings_.shading == Shading::reference)
+        recordReference(frame);             // the truth: many shifted forward frames at level 0
+    else
+        draw_.record(frame, pool_);         // look the light up, per pixel
+    display_.record(frame, settings_.shading == Shading::reference ? settings_.samples : 0); // tone-map, once
+}
+
+Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
+                   const std::vector<scene::BakedMaterial>& materials, const Settings& settings)
+    : device_(device), settings_(settings), targets_(device, settings), scene_(device, scene, materials),
+      pool_(device, settings.poolBytes), need_(device, settings.size, scene.objects.size()),
+      light_(device, scene_, pool_), draw_(device, settings, scene_, pool_), display_(device, targets_),
+      timer_(device), view_(device, sizeof(shared::View), gpu::Buffer::Home::host, "view"),
+      commands_(device.handle(), {.commandPool = *device.commandPool(), .commandBufferCount = 1})
+{
+    // Samples form a square grid inside the pixel.
+    const int side = int(std::ceil(std::sqrt(double(settings_.samples))));
+    settings_.samples = side * side;
+}
+
+void Renderer::assignRoom(Frame& frame)
+{
+    // The CPU decides about memory, so it must see the need: the GPU waits here for a short while.
+    finish(frame);
+    need_.read(frame);
+    frame.room = tsl::assignRoom(pool_.bookkeeping(), frame.needs, frame.index);
+    pool_.update();
+    scene_.writeObjects(frame.room);
+    stats_.lumelsLit = stats_.lumelsMarked = light_.listTiles(frame);
+    stats_.levelBias = frame.room.levelBias;
+    begin(frame);
+}
+
+void Renderer::recordReference(Frame& frame)
+{
+    const int side = int(std::lround(std::sqrt(double(settings_.samples))));
+    Progress progress("reference", size_t(settings_.samples));
+    display_.clearSum(frame);
+    for (int i = 0; i < settings_.samples; ++i) {
+        const glm::vec2 cell(float(i % side), float(i / side));
+        writeView(frame, (cell + 0.5f) / float(side) - 0.5f);
+        draw_.record(frame, pool_);
+        display_.accumulate(frame);
+        finish(frame); // bounded work per submission, and a place for Ctrl-C
+        progress.advance(1);
+        begin(frame);
+    }
+}
+
+void Renderer::begin(Frame& frame)
+{
+    frame.commands.begin(vk::CommandBufferBeginInfo{.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+    timer_.reset(frame.commands);
+}
+
+void Renderer::finish(Frame& frame)
+{
+    frame.commands.end();
+    device_.submitAndWait(frame.commands);
+    for (const auto& [name, ms] : timer_.results())
+        stats_.passMs[name] += ms;
+}
+
+void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
+{
+    glm::mat4 shift(1.0f);
+    shift[3][0] = 2.0f * shiftInPixels.x / float(settings_.size.x);
+    shift[3][1] = 2.0f * shiftInPixels.y / float(settings_.size.y);
+    *view_.mapped<shared::View>() = {.clipFromWorld = shift * frame.clipFromWorld,
+                                     .eyeInWorld = frame.eye,
+                                     .lightCount = scene_.lightCount(),
+                                     .skyRadiance = scene_.skyRadiance(),
+                                     .exposure = settings_.exposure,
+                                     .groundRadiance = scene_.groundRadiance(),
+                                     .anisotropy = settings_.anisotropy,
+                                     .sizePixels = settings_.size,
+                                     .lights = scene_.lights(),
+                                     .objects = scene_.writeObjects(frame.room)};
+}
+
+FrameStats Renderer::render(const scene::Camera& camera)
+{
+    if (interrupted())
+        throw Interrupted();
+    const auto start = std::chrono::steady_clock::now();
+    stats_ = {};
+    const float aspect = float(settings_.size.x) / float(settings_.size.y);
+    Frame frame{.device = device_,
+                .commands = *commands_.front(),
+                .timer = timer_,
+                .scene = scene_,
+                .targets = targets_,
+                .settings = settings_,
+                .clipFromWorld = reversedPerspective(camera.yFov, aspect, camera.nearMetres) *
+                                 glm::lookAt(camera.eye, camera.target, camera.up),
+                .eye = camera.eye,
+                .view = view_.address(),
+                .index = frameIndex_++,
+                .inView = {},
+                .needs = {},
+                .room = {}};
+    frame.inView = scene_.objectsInView(frame.clipFromWorld);
+    writeView(frame, glm::vec2(0.0f));
+    begin(frame);
+    recordFrame(frame);
+    finish(frame);
+
+    stats_.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    stats_.poolUsedBytes = pool_.bookkeeping().usedBytes();
+    stats_.poolCapBytes = pool_.bookkeeping().capBytes();
+    for (const auto& texture : pool_.bookkeeping().textures())
+        stats_.poolTextures += texture.alive;
+    for (size_t i = 0; i < frame.inView.size(); ++i) {
+        const bool lit = i < frame.room.objects.size() && frame.room.objects[i].texture >= 0;
+        ++(frame.inView[i] ? (lit ? stats_.objectsTsl : stats_.objectsForward) : stats_.objectsCulled);
+    }
+    return stats_;
+}
+
+Image Renderer::readRadiance() const
+{
+    const bool reference = settings_.shading == Shading::reference;
+    const gpu::Image& source = reference ? targets_.sum : targets_.hdr;
+    const auto bytes =
+        gpu::readBack(device_, source, reference ? 16 : 8, gpu::masksOf(gpu::Use::transferRead).layout);
+    const size_t pixels = size_t(settings_.size.x) * settings_.size.y;
+    std::vector<float> rgba(pixels * 4);
+    if (reference)
+        std::memcpy(rgba.data(), bytes.data(), bytes.size());
+    else
+        halfToFloats({reinterpret_cast<const uint16_t*>(bytes.data()), pixels * 4}, rgba.data());
+    Image image(int(settings_.size.x), int(settings_.size.y), 3);
+    const float weight = reference ? 1.0f / float(settings_.samples) : 1.0f;
+    for (size_t i = 0; i < pixels; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            image.pixels[i * 3 + c] = rgba[i * 4 + c] * weight;
+    return image;
+}
+
+Image Renderer::readDisplay() const
+{
+    const auto bytes = gpu::readBack(device_, targets_.display, 4, gpu::masksOf(gpu::Use::transferRead).layout);
+    Image image(int(settings_.size.x), int(settings_.size.y), 3);
+    for (size_t i = 0; i < image.pixels.size() / 3; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            image.pixels[i * 3 + c] = float(bytes[i * 4 + c]) / 255.0f;
+    return image;
+}
+
+} // namespace lumel

@@ -1,0 +1,33 @@
+// How a resource is used, in one table: stage, access and image layout. Raw masks live nowhere else.
+#pragma once
+#include <vulkan/vulkan_raii.hpp>
+
+namespace lumel::gpu {
+
+enum class Use {
+    undefined,      // contents do not matter
+    transferRead,
+    transferWrite,
+    computeRead,    // storage image or buffer
+    computeWrite,
+    computeReadWrite,
+    computeSample,  // sampled image
+    fragmentSample, // sampled image
+    colorWrite,
+    depthWrite,
+    hostRead,
+};
+
+struct UseMasks {
+    vk::PipelineStageFlags2 stage;
+    vk::AccessFlags2 access;
+    vk::ImageLayout layout;
+};
+UseMasks masksOf(Use use);
+
+// All mips and layers of an image.
+void imageBarrier(vk::CommandBuffer commands, vk::Image image, vk::ImageAspectFlags aspect, Use from, Use to);
+// Everything else: buffers, and images that keep their layout.
+void memoryBarrier(vk::CommandBuffer commands, Use from, Use to);
+
+} // namespace lumel::gpu

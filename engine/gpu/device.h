@@ -1,0 +1,85 @@
+// The Vulkan device that everything runs on: instance, queue, memory, one-time commands.
+#pragma once
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+#include <vulkan/vulkan_raii.hpp>
+
+namespace lumel::gpu {
+
+struct DeviceOptions {
+    std::string device; // index or part of the name; empty = the first discrete, integrated, then software one
+    bool validation = false;
+};
+
+// Validation messages, collected while the device lives; tests fail on any.
+struct ValidationLog {
+    std::mutex mutex;
+    std::vector<std::string> messages;
+};
+
+class Device {
+public:
+    // Throws Error when no Vulkan 1.3 device with the needed features exists, naming what is missing.
+    explicit Device(const DeviceOptions& options = {});
+    ~Device();
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    const vk::raii::Device& handle() const { return device_; }
+    const vk::raii::Queue& queue() const { return queue_; }
+    const vk::raii::CommandPool& commandPool() const { return commandPool_; }
+    const vk::raii::DescriptorPool& descriptorPool() const { return descriptorPool_; }
+    const vk::PhysicalDeviceProperties& properties() const { return properties_; }
+    std::string driver() const { return driver_; }
+    std::vector<std::string> validationMessages() const;
+
+    vk::raii::DeviceMemory allocate(const vk::MemoryRequirements& requirements, vk::MemoryPropertyFlags wanted,
+                                    bool deviceAddress = false) const;
+
+    // Records, submits and waits. For uploads and readbacks, not for frames.
+    void runOnce(const std::function<void(vk::CommandBuffer)>& record) const;
+    void submitAndWait(vk::CommandBuffer commands) const;
+
+    // Debug name of any Vulkan object; shown by validation and by capture tools.
+    template<class Handle>
+    void name(const Handle& object, const std::string& text) const
+    {
+        if (!validation_)
+            return;
+        using Raw = std::remove_cvref_t<decltype(*object)>;
+        device_.setDebugUtilsObjectNameEXT(
+            {.objectType = Raw::objectType,
+             .objectHandle = reinterpret_cast<uint64_t>(static_cast<typename Raw::CType>(*object)),
+             .pObjectName = text.c_str()});
+    }
+    void beginLabel(vk::CommandBuffer commands, const char* text) const;
+    void endLabel(vk::CommandBuffer commands) const;
+
+private:
+    // Declared in creation order, since they die in reverse.
+    bool validation_ = false;
+    std::unique_ptr<ValidationLog> validationLog_ = std::make_unique<ValidationLog>();
+    vk::raii::Context context_;
+    vk::raii::Instance instance_ = nullptr;
+    vk::raii::DebugUtilsMessengerEXT messenger_ = nullptr;
+    vk::raii::PhysicalDevice physical_ = nullptr;
+    vk::PhysicalDeviceProperties properties_;
+    vk::PhysicalDeviceMemoryProperties memory_;
+    std::string driver_;
+    uint32_t queueFamily_ = 0;
+    vk::raii::Device device_ = nullptr;
+    vk::raii::Queue queue_ = nullptr;
+    vk::raii::CommandPool commandPool_ = nullptr;
+    vk::raii::DescriptorPool descriptorPool_ = nullptr;
+    vk::raii::Fence fence_ = nullptr;
+
+    void createInstance();
+    void choosePhysical(const std::string& wanted);
+    void createDevice();
+};
+
+} // namespace lumel::gpu

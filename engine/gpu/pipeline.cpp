@@ -1,0 +1,160 @@
+#include "pipeline.h"
+#include <map>
+#include <stdexcept>
+
+#include "table.inc"
+
+namespace lumel::gpu {
+namespace {
+
+const std::map<std::string, std::span<const uint32_t>>& shaderTable()
+{
+    static const std::map<std::string, std::span<const uint32_t>> table = {
+#include "entries.inc"
+    };
+    return table;
+}
+
+vk::raii::ShaderModule makeModule(const Device& device, const std::string& shader)
+{
+    const auto code = shaderCode(shader);
+    return {device.handle(), {.codeSize = code.size_bytes(), .pCode = code.data()}};
+}
+
+vk::raii::PipelineLayout makeLayout(const Device& device, const std::vector<vk::DescriptorSetLayout>& sets,
+                                    uint32_t pushBytes)
+{
+    const vk::PushConstantRange range{.stageFlags = vk::ShaderStageFlagBits::eAll, .size = pushBytes};
+    return {device.handle(), vk::PipelineLayoutCreateInfo{.pushConstantRangeCount = pushBytes ? 1u : 0u,
+                                                          .pPushConstantRanges = &range}
+                                 .setSetLayouts(sets)};
+}
+
+} // namespace
+
+std::span<const uint32_t> shaderCode(const std::string& name)
+{
+    const auto found = shaderTable().find(name);
+    if (found == shaderTable().end())
+        throw std::logic_error("no shader named " + name);
+    return found->second;
+}
+
+std::vector<std::string> shaderNames()
+{
+    std::vector<std::string> names;
+    for (const auto& [name, code] : shaderTable())
+        names.push_back(name);
+    return names;
+}
+
+SetLayout makeSetLayout(const Device& device, const std::vector<vk::DescriptorType>& bindings)
+{
+    std::vector<vk::DescriptorSetLayoutBinding> list;
+    for (uint32_t i = 0; i < bindings.size(); ++i)
+        list.push_back({.binding = i,
+                        .descriptorType = bindings[i],
+                        .descriptorCount = 1,
+                        .stageFlags = vk::ShaderStageFlagBits::eAll});
+    return {device.handle(), vk::DescriptorSetLayoutCreateInfo{}.setBindings(list)};
+}
+
+vk::raii::DescriptorSet makeSet(const Device& device, const SetLayout& layout)
+{
+    vk::raii::DescriptorSets sets(device.handle(), {.descriptorPool = *device.descriptorPool(),
+                                                    .descriptorSetCount = 1,
+                                                    .pSetLayouts = &*layout});
+    return std::move(sets.front());
+}
+
+void writeSampled(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::Sampler sampler,
+                  vk::ImageView view)
+{
+    const vk::DescriptorImageInfo image{
+        .sampler = sampler, .imageView = view, .imageLayout = vk::ImageLayout::eShaderReadOnlyOptimal};
+    device.handle().updateDescriptorSets(
+        vk::WriteDescriptorSet{.dstSet = set,
+                               .dstBinding = binding,
+                               .descriptorCount = 1,
+                               .descriptorType = vk::DescriptorType::eCombinedImageSampler,
+                               .pImageInfo = &image},
+        nullptr);
+}
+
+void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::ImageView view)
+{
+    const vk::DescriptorImageInfo image{.imageView = view, .imageLayout = vk::ImageLayout::eGeneral};
+    device.handle().updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = set,
+                                                                .dstBinding = binding,
+                                                                .descriptorCount = 1,
+                                                                .descriptorType = vk::DescriptorType::eStorageImage,
+                                                                .pImageInfo = &image},
+                                         nullptr);
+}
+
+Pipeline makeComputePipeline(const Device& device, const std::string& shader,
+                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes)
+{
+    Pipeline pipeline;
+    pipeline.layout = makeLayout(device, sets, pushBytes);
+    const auto module = makeModule(device, shader);
+    pipeline.handle = vk::raii::Pipeline(
+        device.handle(), nullptr,
+        vk::ComputePipelineCreateInfo{
+            .stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *module, .pName = "main"},
+            .layout = *pipeline.layout});
+    device.name(pipeline.handle, shader);
+    return pipeline;
+}
+
+Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
+{
+    Pipeline pipeline;
+    pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
+    const auto vertex = makeModule(device, info.vertex);
+    const auto fragment = makeModule(device, info.fragment);
+    const vk::PipelineShaderStageCreateInfo stages[] = {
+        {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
+        {.stage = vk::ShaderStageFlagBits::eFragment, .module = *fragment, .pName = "main"}};
+    const vk::PipelineVertexInputStateCreateInfo noInput;
+    const vk::PipelineInputAssemblyStateCreateInfo triangles{.topology = vk::PrimitiveTopology::eTriangleList};
+    const vk::PipelineViewportStateCreateInfo viewport{.viewportCount = 1, .scissorCount = 1};
+    const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill, .lineWidth = 1.0f};
+    const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = info.samples};
+    const vk::PipelineDepthStencilStateCreateInfo depth{.depthTestEnable = VK_TRUE,
+                                                        .depthWriteEnable = !info.blend,
+                                                        .depthCompareOp = vk::CompareOp::eGreater};
+    using Factor = vk::BlendFactor;
+    using Component = vk::ColorComponentFlagBits;
+    const vk::PipelineColorBlendAttachmentState attachment{
+        .blendEnable = info.blend,
+        .srcColorBlendFactor = Factor::eSrcAlpha,
+        .dstColorBlendFactor = Factor::eOneMinusSrcAlpha,
+        .srcAlphaBlendFactor = Factor::eOne,
+        .dstAlphaBlendFactor = Factor::eOneMinusSrcAlpha,
+        .colorWriteMask = Component::eR | Component::eG | Component::eB | Component::eA};
+    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = 1, .pAttachments = &attachment};
+    const vk::DynamicState dynamicStates[] = {vk::DynamicState::eViewport, vk::DynamicState::eScissor,
+                                              vk::DynamicState::eCullMode, vk::DynamicState::eFrontFace};
+    const auto dynamic = vk::PipelineDynamicStateCreateInfo{}.setDynamicStates(dynamicStates);
+    const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = 1,
+                                                    .pColorAttachmentFormats = &info.color,
+                                                    .depthAttachmentFormat = vk::Format::eD32Sfloat};
+    pipeline.handle = vk::raii::Pipeline(device.handle(), nullptr,
+                                         vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
+                                                                        .stageCount = 2,
+                                                                        .pStages = stages,
+                                                                        .pVertexInputState = &noInput,
+                                                                        .pInputAssemblyState = &triangles,
+                                                                        .pViewportState = &viewport,
+                                                                        .pRasterizationState = &raster,
+                                                                        .pMultisampleState = &multisample,
+                                                                        .pDepthStencilState = &depth,
+                                                                        .pColorBlendState = &blend,
+                                                                        .pDynamicState = &dynamic,
+                                                                        .layout = *pipeline.layout});
+    device.name(pipeline.handle, info.fragment);
+    return pipeline;
+}
+
+} // namespace lumel::gpu

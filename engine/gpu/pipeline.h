@@ -1,0 +1,40 @@
+// Pipelines from embedded SPIR-V, and the layouts of their descriptor sets.
+#pragma once
+#include "device.h"
+#include <span>
+
+namespace lumel::gpu {
+
+// SPIR-V of a shader file by its name, "light.comp". Throws std::logic_error for an unknown name.
+std::span<const uint32_t> shaderCode(const std::string& name);
+std::vector<std::string> shaderNames();
+
+using SetLayout = vk::raii::DescriptorSetLayout;
+// `count` bindings of one type, for every stage.
+SetLayout makeSetLayout(const Device& device, const std::vector<vk::DescriptorType>& bindings);
+vk::raii::DescriptorSet makeSet(const Device& device, const SetLayout& layout);
+void writeSampled(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::Sampler sampler,
+                  vk::ImageView view);
+void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::ImageView view);
+
+struct Pipeline {
+    vk::raii::PipelineLayout layout = nullptr;
+    vk::raii::Pipeline handle = nullptr;
+};
+
+Pipeline makeComputePipeline(const Device& device, const std::string& shader,
+                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes);
+
+struct GraphicsInfo {
+    std::string vertex, fragment;
+    std::vector<vk::DescriptorSetLayout> sets;
+    uint32_t pushBytes = 0;
+    vk::Format color = vk::Format::eR16G16B16A16Sfloat;
+    vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
+    bool blend = false; // over, straight alpha; depth is then tested, not written
+};
+// Triangle list without vertex input (shaders pull), reversed depth in D32, dynamic viewport, scissor, cull
+// mode and front face.
+Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info);
+
+} // namespace lumel::gpu

@@ -1,0 +1,122 @@
+#include "resource.h"
+#include "barrier.h"
+#include "core/error.h"
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace lumel::gpu {
+
+Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string& name)
+    : size_(std::max<size_t>(bytes, 16))
+{
+    using Usage = vk::BufferUsageFlagBits;
+    buffer_ = vk::raii::Buffer(device.handle(),
+                               {.size = size_,
+                                .usage = Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst |
+                                         Usage::eIndirectBuffer | Usage::eIndexBuffer |
+                                         Usage::eShaderDeviceAddress});
+    using Property = vk::MemoryPropertyFlagBits;
+    const auto wanted = home == Home::host ? Property::eHostVisible | Property::eHostCoherent
+                                           : vk::MemoryPropertyFlags(Property::eDeviceLocal);
+    memory_ = device.allocate(buffer_.getMemoryRequirements(), wanted, true);
+    buffer_.bindMemory(*memory_, 0);
+    address_ = device.handle().getBufferAddress({.buffer = *buffer_});
+    if (home == Home::host)
+        mapped_ = memory_.mapMemory(0, size_);
+    device.name(buffer_, name);
+}
+
+Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const std::string& name)
+{
+    Buffer buffer(device, data.size(), Buffer::Home::device, name);
+    if (data.empty())
+        return buffer;
+    const Buffer staging(device, data.size(), Buffer::Home::host, name + " (staging)");
+    std::memcpy(staging.mapped<void>(), data.data(), data.size());
+    device.runOnce([&](vk::CommandBuffer commands) {
+        commands.copyBuffer(staging.handle(), buffer.handle(), vk::BufferCopy{.size = data.size()});
+    });
+    return buffer;
+}
+
+vk::ImageAspectFlags Image::aspect() const
+{
+    return info_.format == vk::Format::eD32Sfloat ? vk::ImageAspectFlagBits::eDepth : vk::ImageAspectFlagBits::eColor;
+}
+
+Image::Image(const Device& device, const ImageInfo& info, const std::string& name) : info_(info)
+{
+    image_ = vk::raii::Image(device.handle(), {.imageType = vk::ImageType::e2D,
+                                               .format = info.format,
+                                               .extent = {info.width, info.height, 1},
+                                               .mipLevels = info.mips,
+                                               .arrayLayers = info.layers,
+                                               .samples = info.samples,
+                                               .tiling = vk::ImageTiling::eOptimal,
+                                               .usage = info.usage});
+    const auto requirements = image_.getMemoryRequirements();
+    bytes_ = requirements.size;
+    memory_ = device.allocate(requirements, vk::MemoryPropertyFlagBits::eDeviceLocal);
+    image_.bindMemory(*memory_, 0);
+    device.name(image_, name);
+
+    const auto type = info.layers > 1 || info.arrayView ? vk::ImageViewType::e2DArray : vk::ImageViewType::e2D;
+    vk::ImageViewCreateInfo view{.image = *image_,
+                                 .viewType = type,
+                                 .format = info.format,
+                                 .subresourceRange = {aspect(), 0, info.mips, 0, info.layers}};
+    view_ = vk::raii::ImageView(device.handle(), view);
+    if (!(info.usage & vk::ImageUsageFlagBits::eStorage))
+        return;
+    for (uint32_t mip = 0; mip < info.mips; ++mip) {
+        view.subresourceRange.baseMipLevel = mip;
+        view.subresourceRange.levelCount = 1;
+        mipViews_.emplace_back(device.handle(), view);
+    }
+}
+
+Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
+                      const std::vector<std::vector<uint16_t>>& levels, const std::string& name)
+{
+    Image image(device,
+                {.width = width,
+                 .height = height,
+                 .mips = uint32_t(levels.size()),
+                 .usage = vk::ImageUsageFlagBits::eSampled | vk::ImageUsageFlagBits::eTransferDst},
+                name);
+    size_t bytes = 0;
+    for (const auto& level : levels)
+        bytes += level.size() * sizeof(uint16_t);
+    const Buffer staging(device, bytes, Buffer::Home::host, name + " (staging)");
+    std::vector<vk::BufferImageCopy> copies;
+    size_t offset = 0;
+    for (uint32_t mip = 0; mip < levels.size(); ++mip) {
+        std::memcpy(staging.mapped<std::byte>() + offset, levels[mip].data(), levels[mip].size() * sizeof(uint16_t));
+        copies.push_back({.bufferOffset = offset,
+                          .imageSubresource = {vk::ImageAspectFlagBits::eColor, mip, 0, 1},
+                          .imageExtent = {std::max(1u, width >> mip), std::max(1u, height >> mip), 1}});
+        offset += levels[mip].size() * sizeof(uint16_t);
+    }
+    device.runOnce([&](vk::CommandBuffer commands) {
+        imageBarrier(commands, image.handle(), image.aspect(), Use::undefined, Use::transferWrite);
+        commands.copyBufferToImage(staging.handle(), image.handle(), vk::ImageLayout::eTransferDstOptimal, copies);
+        imageBarrier(commands, image.handle(), image.aspect(), Use::transferWrite, Use::fragmentSample);
+    });
+    return image;
+}
+
+std::vector<std::byte> readBack(const Device& device, const Image& image, size_t bytesPerTexel, vk::ImageLayout from)
+{
+    const size_t bytes = size_t(image.info().width) * image.info().height * bytesPerTexel;
+    const Buffer staging(device, bytes, Buffer::Home::host, "read back");
+    device.runOnce([&](vk::CommandBuffer commands) {
+        const vk::BufferImageCopy copy{.imageSubresource = {image.aspect(), 0, 0, 1},
+                                       .imageExtent = {image.info().width, image.info().height, 1}};
+        commands.copyImageToBuffer(image.handle(), from, staging.handle(), copy);
+        memoryBarrier(commands, Use::transferWrite, Use::hostRead);
+    });
+    const auto* data = staging.mapped<std::byte>();
+    return {data, data + bytes};
+}
+
+} // namespace lumel::gpu

@@ -1,0 +1,83 @@
+// Buffers and images with their memory.
+#pragma once
+#include "device.h"
+#include <cstring>
+#include <span>
+
+namespace lumel::gpu {
+
+// A storage buffer with a device address. Host-visible buffers stay mapped.
+class Buffer {
+public:
+    enum class Home { device, host };
+    Buffer() = default;
+    Buffer(const Device& device, size_t bytes, Home home, const std::string& name);
+
+    vk::Buffer handle() const { return *buffer_; }
+    vk::DeviceAddress address() const { return address_; }
+    size_t size() const { return size_; }
+    explicit operator bool() const { return size_ > 0; }
+    template<class T>
+    T* mapped() const
+    {
+        return static_cast<T*>(mapped_);
+    }
+
+private:
+    vk::raii::DeviceMemory memory_ = nullptr;
+    vk::raii::Buffer buffer_ = nullptr;
+    vk::DeviceAddress address_ = 0;
+    size_t size_ = 0;
+    void* mapped_ = nullptr;
+};
+
+// A device buffer filled with `data` through a staging copy.
+Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const std::string& name);
+
+template<class T>
+Buffer uploadBuffer(const Device& device, const std::vector<T>& data, const std::string& name)
+{
+    return uploadBuffer(device, std::as_bytes(std::span(data)), name);
+}
+
+struct ImageInfo {
+    vk::Format format = vk::Format::eR16G16B16A16Sfloat;
+    uint32_t width = 1, height = 1;
+    uint32_t mips = 1, layers = 1;
+    vk::ImageUsageFlags usage;
+    vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
+    bool arrayView = false; // sampler2DArray / image2DArray even with one layer
+};
+
+class Image {
+public:
+    Image() = default;
+    Image(const Device& device, const ImageInfo& info, const std::string& name);
+
+    vk::Image handle() const { return *image_; }
+    vk::ImageView view() const { return *view_; }
+    vk::ImageView mipView(uint32_t mip) const { return *mipViews_[mip]; } // storage images only
+    const ImageInfo& info() const { return info_; }
+    vk::Extent2D extent() const { return {info_.width, info_.height}; }
+    vk::ImageAspectFlags aspect() const;
+    size_t bytes() const { return bytes_; }
+    explicit operator bool() const { return *image_; }
+
+private:
+    ImageInfo info_;
+    size_t bytes_ = 0;
+    vk::raii::DeviceMemory memory_ = nullptr;
+    vk::raii::Image image_ = nullptr;
+    vk::raii::ImageView view_ = nullptr;
+    std::vector<vk::raii::ImageView> mipViews_;
+};
+
+// An RGBA16F image with all its mips for sampling. levels[i] holds width >> i by height >> i RGBA half texels
+// (floor, at least 1).
+Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
+                      const std::vector<std::vector<uint16_t>>& levels, const std::string& name);
+
+// Reads mip 0, layer 0 of an image in use `from` back into tightly packed texels and leaves it in that use.
+std::vector<std::byte> readBack(const Device& device, const Image& image, size_t bytesPerTexel, vk::ImageLayout from);
+
+} // namespace lumel::gpu

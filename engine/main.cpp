@@ -1,0 +1,201 @@
+// The commands: options in, then the steps in order. Exit code 0 done, 1 bad input or failure, 2 usage.
+#include "commands.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "core/progress.h"
+#include <CLI/CLI.hpp>
+
+namespace {
+
+using namespace lumel;
+
+// "960x540" -> two numbers; CLI11 reports the returned text.
+std::string parseSize(const std::string& text, glm::uvec2& size)
+{
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%ux%u%n", &size.x, &size.y, &used) != 2 || size_t(used) != text.size() ||
+        size.x < 1 || size.y < 1 || size.x > 8192 || size.y > 8192)
+        return "--size " + text + ": write WIDTHxHEIGHT, each 1 to 8192";
+    return {};
+}
+
+std::string parsePoint(const std::string& text, std::optional<glm::vec3>& point)
+{
+    glm::vec3 p;
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%f,%f,%f%n", &p.x, &p.y, &p.z, &used) != 3 || size_t(used) != text.size())
+        return text + ": write x,y,z in metres";
+    point = p;
+    return {};
+}
+
+const std::map<std::string, baker::Method> kMethods = {{"fit", baker::Method::fit},
+                                                       {"average", baker::Method::average}};
+const std::map<std::string, baker::Model> kModels = {{"blinn-phong", baker::Model::blinnPhong}};
+const std::map<std::string, Shading> kShadings = {
+    {"tsl", Shading::tsl}, {"forward", Shading::forward}, {"reference", Shading::reference}};
+const std::map<std::string, DrawFilter> kDrawFilters = {{"bilinear", DrawFilter::bilinear},
+                                                        {"b-spline", DrawFilter::bspline},
+                                                        {"catmull-rom", DrawFilter::catmullRom}};
+const std::map<std::string, baker::Wrap> kWraps = {{"repeat", baker::Wrap::repeat}, {"clamp", baker::Wrap::clamp}};
+
+void addBake(CLI::App& app, BakeArguments& a)
+{
+    CLI::App* command = app.add_subcommand("bake", "Fit reflectance MIPs to a height or normal map");
+    auto* height = command->add_option("--height", a.height, "height map (channel 0)");
+    command->add_option("--height-scale", a.heightScale, "height of value 1 in units of the map's width")
+        ->needs(height);
+    auto* normal = command->add_option("--normal", a.normal, "tangent-space normal map");
+    normal->excludes(height);
+    command->add_option("--normal-green", a.normalGreen, "which way the normal map's green points")
+        ->check(CLI::IsMember({"up", "down"}))
+        ->capture_default_str();
+    command->add_option("--wrap", a.wrap, "what lies beyond the map's border: repeat or clamp")
+        ->transform(CLI::CheckedTransformer(kWraps).description(""))
+        ->default_str("repeat");
+    command->add_option("--power", a.power, "Blinn-Phong power of every texel")->capture_default_str();
+    command->add_option("--power-map", a.powerMap, "Blinn-Phong power, as stored (channel 0, float image)");
+    command->add_option("--roughness", a.roughness, "glTF perceptual roughness (channel 0) in place of a power");
+    command->add_option("--specular", a.specular, "Ks: a number, r,g,b or an image")->capture_default_str();
+    command->add_option("--diffuse", a.diffuse, "Kd: a number, r,g,b or an image")->capture_default_str();
+    command->add_option("--model", a.options.model, "lobe to fit: blinn-phong")
+        ->transform(CLI::CheckedTransformer(kModels).description(""));
+    command->add_option("--method", a.options.method, "how coarser texels are made: fit or average")
+        ->transform(CLI::CheckedTransformer(kMethods).description(""))
+        ->default_str("fit");
+    command->add_option("--threads", a.options.threads, "0 = all cores")->check(CLI::Range(0, 1024));
+    command->add_flag("--float", a.asFloat, "store single precision in place of half");
+    command->add_option("-o,--output", a.output, "OpenEXR file to write")->required();
+    command->callback([&a, command] {
+        if (a.height.empty() && a.normal.empty())
+            throw CLI::RequiredError("--height or --normal");
+        (void)command;
+    });
+}
+
+void addDeviceOptions(CLI::App* command, ShotArguments& a)
+{
+    command->add_option("--device", a.device.device, "Vulkan device, by index or part of its name");
+    command->add_flag("--validate", a.device.validation, "run under Vulkan validation; a message is a failure");
+}
+
+void addShot(CLI::App& app, ShotArguments& a)
+{
+    CLI::App* command = app.add_subcommand("shot", "Render a glTF scene to a picture");
+    command->add_option("scene", a.scene, "glTF 2.0 file, .gltf or .glb")->required();
+    command->add_option("-o,--output", a.output, ".png (tone-mapped sRGB) or .exr (linear radiance)")->required();
+    command
+        ->add_option_function<std::string>(
+            "--size",
+            [&a](const std::string& text) {
+                if (const auto error = parseSize(text, a.settings.size); !error.empty())
+                    throw CLI::ValidationError(error);
+            },
+            "picture size")
+        ->default_str("960x540");
+    command->add_option("--camera", a.camera, "camera of the file, by name or index");
+    const auto addPoint = [&](const char* name, std::optional<glm::vec3>& point, const char* what) {
+        command->add_option_function<std::string>(
+            name,
+            [&point](const std::string& text) {
+                if (const auto error = parsePoint(text, point); !error.empty())
+                    throw CLI::ValidationError(error);
+            },
+            what);
+    };
+    addPoint("--eye", a.eye, "camera position x,y,z");
+    addPoint("--target", a.target, "point to look at x,y,z");
+    command->add_option("--fov", a.fovDegrees, "vertical field of view in degrees, with --eye")
+        ->check(CLI::Range(1.0, 170.0))
+        ->capture_default_str();
+    command->add_option("--shading", a.settings.shading, "tsl, forward or reference")
+        ->transform(CLI::CheckedTransformer(kShadings).description(""))
+        ->default_str("tsl");
+    command->add_option("--filter", a.filter, "how materials' MIPs are made: fit or average")
+        ->transform(CLI::CheckedTransformer(kMethods).description(""))
+        ->default_str("fit");
+    command->add_option("--samples", a.settings.samples, "reference: samples a pixel")
+        ->check(CLI::Range(1, 65536))
+        ->capture_default_str();
+    command->add_option("--draw-filter", a.settings.filter, "tsl: bilinear, b-spline or catmull-rom")
+        ->transform(CLI::CheckedTransformer(kDrawFilters).description(""));
+    command->add_option("--anisotropy", a.settings.anisotropy, "tsl: most taps along a footprint")
+        ->check(CLI::Range(1.0, 16.0))
+        ->capture_default_str();
+    command->add_option("--msaa", a.settings.msaa, "coverage samples of tsl and forward")
+        ->check(CLI::IsMember({1, 4}))
+        ->capture_default_str();
+    command->add_option("--exposure", a.settings.exposure, "display: multiplies radiance")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    command
+        ->add_option_function<size_t>(
+            "--pool-mb", [&a](size_t mb) { a.settings.poolBytes = mb << 20; }, "cap of the lit textures' memory")
+        ->check(CLI::Range(1, 65536))
+        ->default_str("256");
+    command->add_flag("!--no-cache", a.useCache, "bake materials anew, do not touch the cache");
+    command->add_option("--threads", a.threads, "threads of the baker, 0 = all cores")->check(CLI::Range(0, 1024));
+    command->add_option("--stats", a.stats, "write the frame's statistics as JSON");
+    addDeviceOptions(command, a);
+}
+
+void addCompare(CLI::App& app, CompareArguments& a)
+{
+    CLI::App* command = app.add_subcommand("compare", "Measure how two pictures differ");
+    command->add_option("a", a.a, "picture (.exr is tone-mapped first)")->required();
+    command->add_option("b", a.b, "picture of the same size")->required();
+    command->add_option("-o,--output", a.output, "write four times the difference as a picture");
+    command->add_option("--psnr-min", a.psnrMin, "exit 1 below this PSNR in dB");
+}
+
+int run(int argc, char** argv)
+{
+    CLI::App app("lumel: texture-space lighting with fitted reflectance MIPs");
+    app.name("lumel");
+    app.require_subcommand(1);
+    app.set_version_flag("--version", LUMEL_VERSION);
+    BakeArguments bake;
+    ShotArguments shot;
+    CompareArguments compare;
+    addBake(app, bake);
+    addShot(app, shot);
+    addCompare(app, compare);
+    app.add_subcommand("help", "Show this help");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        if (e.get_exit_code() == 0)
+            return app.exit(e); // --help, --version
+        std::fprintf(stderr, "lumel: %s; see lumel --help\n", e.what());
+        return 2;
+    }
+    if (app.got_subcommand("help"))
+        std::fputs(app.help().c_str(), stdout);
+    if (app.got_subcommand("bake"))
+        runBake(bake);
+    if (app.got_subcommand("shot"))
+        runShot(shot);
+    if (app.got_subcommand("compare"))
+        return runCompare(compare) ? 0 : 1;
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    setUpLog("info");
+    catchInterrupts();
+    try {
+        return run(argc, argv);
+    } catch (const Interrupted&) {
+        std::fputs("lumel: interrupted; nothing was written\n", stderr);
+        return 130;
+    } catch (const std::bad_alloc&) {
+        std::fputs("lumel: out of memory; use smaller maps or a smaller --size\n", stderr);
+        return 1;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "lumel: %s\n", e.what());
+        return 1;
+    }
+}

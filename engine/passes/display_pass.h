@@ -1,0 +1,21 @@
+// Display: radiance to display colour, once; and the sum of shifted frames behind the reference.
+#pragma once
+#include "frame_context.h"
+
+namespace lumel {
+
+class DisplayPass {
+public:
+    DisplayPass(const gpu::Device& device, const Targets& targets);
+    void clearSum(Frame& frame);
+    void accumulate(Frame& frame);             // adds hdr to the sum
+    void record(Frame& frame, int sampleCount); // 0: shows hdr, else the sum's mean
+
+private:
+    vk::raii::Sampler sampler_;
+    gpu::SetLayout accumulateLayout_, displayLayout_;
+    vk::raii::DescriptorSet accumulateSet_ = nullptr, hdrSet_ = nullptr, sumSet_ = nullptr;
+    gpu::Pipeline accumulate_, display_;
+};
+
+} // namespace lumel

@@ -1,0 +1,49 @@
+#include "frame_context.h"
+
+namespace lumel {
+
+Targets::Targets(const gpu::Device& device, const Settings& settings)
+{
+    using Usage = vk::ImageUsageFlagBits;
+    const uint32_t width = settings.size.x, height = settings.size.y;
+    const bool multisampling = settings.msaa > 1 && settings.shading != Shading::reference;
+    const auto samples = multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1;
+    hdr = gpu::Image(device,
+                     {.width = width,
+                      .height = height,
+                      .usage = Usage::eColorAttachment | Usage::eSampled | Usage::eStorage | Usage::eTransferSrc},
+                     "hdr");
+    depth = gpu::Image(device,
+                       {.format = vk::Format::eD32Sfloat,
+                        .width = width,
+                        .height = height,
+                        .usage = Usage::eDepthStencilAttachment,
+                        .samples = samples},
+                       "depth");
+    if (multisampling)
+        multisampled = gpu::Image(
+            device, {.width = width, .height = height, .usage = Usage::eColorAttachment, .samples = samples},
+            "multisampled");
+    if (settings.shading == Shading::reference)
+        sum = gpu::Image(device,
+                         {.format = vk::Format::eR32G32B32A32Sfloat,
+                          .width = width,
+                          .height = height,
+                          .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc | Usage::eTransferDst},
+                         "reference sum");
+    display = gpu::Image(device,
+                         {.format = vk::Format::eR8G8B8A8Unorm,
+                          .width = width,
+                          .height = height,
+                          .usage = Usage::eStorage | Usage::eTransferSrc},
+                         "display");
+}
+
+void setViewport(vk::CommandBuffer commands, vk::Extent2D extent)
+{
+    commands.setViewport(
+        0, vk::Viewport{.width = float(extent.width), .height = float(extent.height), .minDepth = 0, .maxDepth = 1});
+    commands.setScissor(0, vk::Rect2D{{0, 0}, extent});
+}
+
+} // namespace lumel

@@ -1,0 +1,69 @@
+// What every pass of one frame works on.
+#pragma once
+#include "gpu/barrier.h"
+#include "gpu/timer.h"
+#include "gpu_scene.h"
+#include "settings.h"
+
+namespace lumel {
+
+// Render targets of one picture size.
+struct Targets {
+    Targets(const gpu::Device& device, const Settings& settings);
+    gpu::Image hdr;        // linear radiance, RGBA16F, one sample a pixel
+    gpu::Image depth;      // D32, as many samples as the draw pass
+    gpu::Image multisampled; // RGBA16F, only with msaa > 1
+    gpu::Image sum;        // RGBA32F, reference only
+    gpu::Image display;    // RGBA8, sRGB encoded
+};
+
+struct Frame {
+    const gpu::Device& device;
+    vk::CommandBuffer commands;
+    gpu::Timer& timer;
+    GpuScene& scene;
+    Targets& targets;
+    const Settings& settings;
+    glm::mat4 clipFromWorld{1.0f};
+    glm::vec3 eye{0.0f};
+    vk::DeviceAddress view = 0;
+    uint64_t index = 0;
+    std::vector<uint8_t> inView;         // per object: its bounds meet the view
+    std::vector<tsl::ObjectNeed> needs;  // per object, from the need pass
+    tsl::Room room;                      // per object, its lit texture
+};
+
+// One string names a pass for debug labels and timings.
+class PassScope {
+public:
+    PassScope(Frame& frame, const char* name) : frame_(frame)
+    {
+        frame_.device.beginLabel(frame_.commands, name);
+        frame_.timer.begin(frame_.commands, name);
+    }
+    ~PassScope()
+    {
+        frame_.timer.end(frame_.commands);
+        frame_.device.endLabel(frame_.commands);
+    }
+    PassScope(const PassScope&) = delete;
+    PassScope& operator=(const PassScope&) = delete;
+
+private:
+    Frame& frame_;
+};
+
+void setViewport(vk::CommandBuffer commands, vk::Extent2D extent);
+
+template<class Push>
+void pushConstants(vk::CommandBuffer commands, const gpu::Pipeline& pipeline, const Push& push)
+{
+    commands.pushConstants<Push>(*pipeline.layout, vk::ShaderStageFlagBits::eAll, 0, push);
+}
+
+inline uint32_t groupsOf64(uint32_t invocations)
+{
+    return (invocations + 63) / 64;
+}
+
+} // namespace lumel

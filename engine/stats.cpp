@@ -1,0 +1,60 @@
+#include "stats.h"
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace lumel {
+namespace {
+
+using nlohmann::json;
+
+json frameJson(const FrameStats& f)
+{
+    json passes = {{"need", 0.0}, {"light", 0.0}, {"lower", 0.0}, {"draw", 0.0}, {"display", 0.0}};
+    for (const auto& [name, ms] : f.passMs)
+        passes[name] = ms;
+    return {{"ms", f.ms},
+            {"passes", passes},
+            {"lumels", {{"marked", f.lumelsMarked}, {"lit", f.lumelsLit}, {"kept", f.lumelsKept}}},
+            {"pool", {{"used_bytes", f.poolUsedBytes}, {"cap_bytes", f.poolCapBytes}, {"textures", f.poolTextures}}},
+            {"objects", {{"tsl", f.objectsTsl}, {"forward", f.objectsForward}, {"culled", f.objectsCulled}}},
+            {"level_bias", f.levelBias}};
+}
+
+// Nearest-rank percentile of sorted values.
+double percentile(const std::vector<double>& sorted, double p)
+{
+    return sorted[std::min(sorted.size() - 1, size_t(p * double(sorted.size())))];
+}
+
+} // namespace
+
+json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames)
+{
+    json list = json::array();
+    std::vector<double> sorted;
+    double sum = 0.0;
+    for (const FrameStats& f : frames) {
+        list.push_back(frameJson(f));
+        sorted.push_back(f.ms);
+        sum += f.ms;
+    }
+    std::sort(sorted.begin(), sorted.end());
+    json summary = json::object();
+    if (!sorted.empty())
+        summary = {{"mean_ms", sum / double(sorted.size())},
+                   {"p50_ms", percentile(sorted, 0.50)},
+                   {"p95_ms", percentile(sorted, 0.95)},
+                   {"p99_ms", percentile(sorted, 0.99)},
+                   {"max_ms", sorted.back()}};
+    return {{"schema", 1},
+            {"device", run.device},
+            {"driver", run.driver},
+            {"size", {run.width, run.height}},
+            {"scene", run.scene},
+            {"shading", run.shading},
+            {"filter", run.filter},
+            {"frames", list},
+            {"summary", summary}};
+}
+
+} // namespace lumel

@@ -1,0 +1,28 @@
+// What a frame did and what it cost; `--stats` and `bench --json` write it in one schema (README).
+#pragma once
+#include <cstddef>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace lumel {
+
+struct FrameStats {
+    double ms = 0.0;                      // wall time, CPU and GPU together
+    std::map<std::string, double> passMs; // GPU time by pass
+    size_t lumelsMarked = 0, lumelsLit = 0, lumelsKept = 0;
+    size_t poolUsedBytes = 0, poolCapBytes = 0, poolTextures = 0;
+    size_t objectsTsl = 0, objectsForward = 0, objectsCulled = 0;
+    unsigned levelBias = 0;
+};
+
+// What a run was: the head of the JSON.
+struct RunInfo {
+    std::string device, driver, scene, shading, filter;
+    unsigned width = 0, height = 0;
+};
+
+nlohmann::json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames);
+
+} // namespace lumel

@@ -1,0 +1,152 @@
+#include "texel_map.h"
+#include "core/error.h"
+#include <bit>
+#include <fmt/format.h>
+
+namespace lumel::tsl {
+namespace {
+
+using shared::kTexelCoverageShift;
+using shared::kTexelTriangleMask;
+
+// Writes `value` to every lumel of the grid whose centre lies in the triangle. Edge functions in double: lumel
+// coordinates reach 8192 and products of differences need more than float's 24 bits.
+void rasterise(const std::array<glm::dvec2, 3>& corners, uint32_t value, glm::uvec2 size, uint32_t* texels)
+{
+    auto [a, b, c] = corners;
+    const auto edge = [](glm::dvec2 p, glm::dvec2 q, glm::dvec2 r) {
+        return (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+    };
+    const double area = edge(a, b, c);
+    if (area == 0.0)
+        return;
+    if (area < 0.0)
+        std::swap(b, c);
+    const auto lower = glm::max(glm::floor(glm::min(glm::min(a, b), c) - 0.5), glm::dvec2(0.0));
+    const auto upper = glm::min(glm::ceil(glm::max(glm::max(a, b), c)), glm::dvec2(size) - 1.0);
+    for (int y = int(lower.y); y <= int(upper.y); ++y)
+        for (int x = int(lower.x); x <= int(upper.x); ++x) {
+            const glm::dvec2 p(x + 0.5, y + 0.5);
+            if (edge(a, b, p) >= 0.0 && edge(b, c, p) >= 0.0 && edge(c, a, p) >= 0.0)
+                texels[size_t(y) * size.x + x] = value;
+        }
+}
+
+void rasteriseLevel(const scene::Mesh& mesh, glm::uvec2 size, uint32_t* texels)
+{
+    const glm::dvec2 scale(size);
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        std::array<glm::dvec2, 3> corners;
+        for (size_t k = 0; k < 3; ++k)
+            corners[k] = glm::dvec2(mesh.vertices[mesh.indices[i + k]].uv) * scale;
+        rasterise(corners, uint32_t(i / 3 + 1), size, texels);
+    }
+}
+
+// Coverage of a coarser level is the mean of its children's; a lumel whose own centre misses every chart takes
+// the triangle of its most covered child.
+void coverFromChildren(const uint32_t* fine, glm::uvec2 fineSize, uint32_t* coarse, glm::uvec2 size)
+{
+    const glm::uvec2 ratio = fineSize / size;
+    for (uint32_t y = 0; y < size.y; ++y)
+        for (uint32_t x = 0; x < size.x; ++x) {
+            uint32_t sum = 0, best = 0;
+            for (uint32_t j = 0; j < ratio.y; ++j)
+                for (uint32_t i = 0; i < ratio.x; ++i) {
+                    const uint32_t child = fine[size_t(y * ratio.y + j) * fineSize.x + x * ratio.x + i];
+                    const uint32_t coverage = child >> kTexelCoverageShift;
+                    sum += coverage;
+                    if (coverage > best >> kTexelCoverageShift)
+                        best = child;
+                }
+            const uint32_t count = ratio.x * ratio.y;
+            const uint32_t coverage = (sum + count - 1) / count; // rounded up: covered stays covered
+            uint32_t& texel = coarse[size_t(y) * size.x + x];
+            const uint32_t triangle = (texel & kTexelTriangleMask) && coverage ? texel : best;
+            texel = coverage ? (triangle & kTexelTriangleMask) | coverage << kTexelCoverageShift : 0u;
+        }
+}
+
+// One ring of gutter: empty lumels take the triangle of a neighbour, straight ones first.
+void dilate(uint32_t* texels, glm::uvec2 size, std::vector<uint32_t>& scratch)
+{
+    scratch.assign(texels, texels + size_t(size.x) * size.y);
+    constexpr int kNeighbours[8][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+    for (int y = 0; y < int(size.y); ++y)
+        for (int x = 0; x < int(size.x); ++x) {
+            if (scratch[size_t(y) * size.x + x])
+                continue;
+            for (const auto& [dx, dy] : kNeighbours) {
+                const int nx = x + dx, ny = y + dy;
+                if (nx < 0 || ny < 0 || nx >= int(size.x) || ny >= int(size.y))
+                    continue;
+                if (const uint32_t found = scratch[size_t(ny) * size.x + nx] & kTexelTriangleMask) {
+                    texels[size_t(y) * size.x + x] = found;
+                    break;
+                }
+            }
+        }
+}
+
+} // namespace
+
+TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size)
+{
+    if (mesh.indices.size() / 3 >= kTexelTriangleMask)
+        throw Error(fmt::format("mesh {}: more than {} triangles; split it", mesh.name, kTexelTriangleMask - 1));
+    TexelMap map;
+    map.size = size;
+    map.levels = uint32_t(std::bit_width(std::max(size.x, size.y)));
+    uint32_t total = 0;
+    for (uint32_t level = 0; level < map.levels; ++level) {
+        map.offsets[level] = total;
+        total += map.levelSize(level).x * map.levelSize(level).y;
+    }
+    map.texels.assign(total, 0);
+    for (uint32_t level = 0; level < map.levels; ++level) {
+        uint32_t* texels = map.texels.data() + map.offsets[level];
+        const glm::uvec2 levelSize = map.levelSize(level);
+        rasteriseLevel(mesh, levelSize, texels);
+        if (level == 0) {
+            for (size_t i = 0; i < size_t(levelSize.x) * levelSize.y; ++i)
+                if (texels[i])
+                    texels[i] |= 255u << kTexelCoverageShift;
+        } else {
+            coverFromChildren(map.texels.data() + map.offsets[level - 1], map.levelSize(level - 1), texels,
+                              levelSize);
+        }
+    }
+    // After all coverage is known, since gutters carry none.
+    std::vector<uint32_t> scratch;
+    for (uint32_t level = 0; level < map.levels; ++level)
+        for (int ring = 0; ring < kGutter; ++ring)
+            dilate(map.texels.data() + map.offsets[level], map.levelSize(level), scratch);
+    return map;
+}
+
+std::vector<glm::uvec2> occupiedTiles(const TexelMap& map, uint32_t level)
+{
+    const glm::uvec2 size = map.levelSize(level);
+    const glm::uvec2 tiles = (size + shared::kTileSize - 1u) / shared::kTileSize;
+    std::vector<uint8_t> occupied(size_t(tiles.x) * tiles.y, 0);
+    for (uint32_t y = 0; y < size.y; ++y)
+        for (uint32_t x = 0; x < size.x; ++x)
+            if (map.at(level, x, y))
+                occupied[size_t(y / shared::kTileSize) * tiles.x + x / shared::kTileSize] = 1;
+    std::vector<glm::uvec2> list;
+    for (uint32_t y = 0; y < tiles.y; ++y)
+        for (uint32_t x = 0; x < tiles.x; ++x)
+            if (occupied[size_t(y) * tiles.x + x])
+                list.emplace_back(x, y);
+    return list;
+}
+
+glm::uvec2 lumelGrid(int materialWidth, int materialHeight)
+{
+    const auto grid = [](int texels) {
+        return std::clamp(std::bit_ceil(uint32_t(std::max(texels, 1))), kMinGrid, kMaxGrid);
+    };
+    return {grid(materialWidth), grid(materialHeight)};
+}
+
+} // namespace lumel::tsl

@@ -1,0 +1,40 @@
+// Which triangle each lumel lies on, for every level: made once per mesh and lumel grid.
+#pragma once
+#include "scene/scene.h"
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace lumel::tsl {
+
+// Lumels around charts that extend the nearest triangle: the reach of a cubic filter's taps.
+inline constexpr int kGutter = 3;
+
+struct TexelMap {
+    glm::uvec2 size{0};   // lumels of level 0, powers of two
+    uint32_t levels = 0;  // down to 1 x 1
+    std::array<uint32_t, shared::kMaxLevels> offsets{}; // first entry of each level
+    // Triangle + 1 in the low 24 bits (0: no surface near), coverage 0..255 in the high 8 (0: gutter).
+    // Coverage is the share of the lumel that charts cover, at the resolution of level-0 lumel centres.
+    std::vector<uint32_t> texels;
+
+    glm::uvec2 levelSize(uint32_t level) const { return glm::max(size >> level, glm::uvec2(1)); }
+    uint32_t at(uint32_t level, uint32_t x, uint32_t y) const
+    {
+        return texels[offsets[level] + size_t(y) * levelSize(level).x + x];
+    }
+};
+
+// Rasterises the mesh's texture coordinates, which must be unique in [0, 1]. `size`: powers of two, at most
+// 8192. A mesh of more than 2^24 - 1 triangles cannot be indexed: throws Error naming it.
+TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size);
+
+// The 8x8 tiles of a level that hold at least one lumel with a triangle, row by row: (x, y) in tiles.
+std::vector<glm::uvec2> occupiedTiles(const TexelMap& map, uint32_t level);
+
+// Level-0 lumel grid of an object whose material is width x height texels: the next power of two, at least
+// kMinGrid so that light still varies over a plain colour, at most kMaxGrid.
+inline constexpr uint32_t kMinGrid = 512, kMaxGrid = 8192;
+glm::uvec2 lumelGrid(int materialWidth, int materialHeight);
+
+} // namespace lumel::tsl

@@ -1,0 +1,19 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Reference: adds one shifted frame to the sum, in linear light and single precision.
+#include "lib/interface.glsl"
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform Constants { DisplayPush push; };
+layout(set = 0, binding = 0, rgba16f) uniform readonly image2D frame;
+layout(set = 0, binding = 1, rgba32f) uniform image2D sum;
+
+void main()
+{
+    uvec2 size = push.view.at.sizePixels;
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= size.x * size.y)
+        return;
+    ivec2 pixel = ivec2(index % size.x, index / size.x);
+    imageStore(sum, pixel, imageLoad(sum, pixel) + imageLoad(frame, pixel));
+}

@@ -1,0 +1,73 @@
+// From a point on a mesh to its radiance: material texels, the tangent frame, the light loop.
+// Used per lumel by light.comp and per pixel by forward.frag, so that both light the same way.
+#ifndef LUMEL_SURFACE_GLSL
+#define LUMEL_SURFACE_GLSL
+#include "lib/interface.glsl"
+#include "shared/shading.h"
+
+layout(set = 0, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
+layout(set = 0, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
+layout(set = 0, binding = 2) uniform sampler2D mapDiffuse;  // Kd opacity
+layout(set = 0, binding = 3) uniform sampler2D mapGlow;     // emitted radiance, ambient occlusion
+
+struct MaterialTexel {
+    vec2 normal;
+    vec3 covariance;
+    vec3 specular;
+    vec3 diffuse;
+    float opacity;
+    vec3 emitted;
+    float occlusion;
+};
+
+MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 glow)
+{
+    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, diffuse.a,
+                         glow.rgb, glow.a);
+}
+
+MaterialTexel sampleMaterial(vec2 uv, float level)
+{
+    // The glow maps are their own chain: as many levels coarser as they are smaller.
+    float glowLevel = level - log2(float(textureSize(mapNormal, 0).x) / float(textureSize(mapGlow, 0).x));
+    return unpackMaterial(textureLod(mapNormal, uv, level), textureLod(mapSpecular, uv, level),
+                          textureLod(mapDiffuse, uv, level), textureLod(mapGlow, uv, max(glowLevel, 0.0)));
+}
+
+// Where lumels and material texels coincide: no filtering.
+MaterialTexel fetchMaterial(ivec2 texel, int level, vec2 uv)
+{
+    float glowLevel = float(level) - log2(float(textureSize(mapNormal, 0).x) / float(textureSize(mapGlow, 0).x));
+    return unpackMaterial(texelFetch(mapNormal, texel, level), texelFetch(mapSpecular, texel, level),
+                          texelFetch(mapDiffuse, texel, level), textureLod(mapGlow, uv, max(glowLevel, 0.0)));
+}
+
+// position, normal, tangent (w = handedness) in world space, not necessarily unit.
+vec3 shadeSurface(View view, Object object, MaterialTexel material, vec3 position, vec3 normal, vec4 tangent)
+{
+    vec3 toEye = normalize(view.eyeInWorld - position);
+    vec3 n = normalize(normal);
+    bool flip = (object.flags & kObjectDoubleSided) != 0u && dot(n, toEye) < 0.0;
+    vec3 t = tangent.xyz - n * dot(n, tangent.xyz);
+    t = dot(t, t) > 1e-12 ? normalize(t) : normalize(abs(n.x) < 0.9 ? cross(n, vec3(1, 0, 0)) : cross(n, vec3(0, 1, 0)));
+    vec3 b = cross(n, t) * (tangent.w < 0.0 ? -1.0 : 1.0);
+    n = flip ? -n : n;
+
+    Lobe local = makeLobe(lobeNormal(material.normal), material.covariance);
+    mat3 worldFromTangent = mat3(t, b, n);
+    SurfaceReflectance surface;
+    surface.lobe = Lobe(worldFromTangent * local.normal, worldFromTangent * local.tangentU,
+                        worldFromTangent * local.tangentV, local.inverseCovariance, local.scale);
+    surface.macroNormal = n;
+    surface.specular = material.specular;
+    surface.diffuse = material.diffuse;
+
+    vec3 radiance = material.emitted;
+    radiance += reflectAmbient(surface, view.skyRadiance, view.groundRadiance) * material.occlusion;
+    for (uint i = 0u; i < view.lightCount; ++i) {
+        Incident incident = incidentLight(view.lights.at[i], position);
+        radiance += reflectLight(surface, incident.direction, toEye, incident.irradiance);
+    }
+    return min(radiance, vec3(60000.0)); // half float's largest is 65504
+}
+#endif

@@ -1,0 +1,42 @@
+// Display transform: the only place where radiance becomes display colour.
+// Khronos PBR Neutral (Khronos Group 2024, "PBR Neutral Tone Mapper Specification"): 1:1 below 0.8 minus
+// the Fresnel offset, so that base colours keep their look, with a hyperbolic shoulder and desaturation above.
+#ifndef LUMEL_SHARED_TONEMAP_H
+#define LUMEL_SHARED_TONEMAP_H
+#include "compat.h"
+LUMEL_SHARED_BEGIN
+
+// Linear Rec. 709 in, scene-referred, >= 0; linear display colour in [0, 1] out.
+LUMEL_FN vec3 toneMap(vec3 colour)
+{
+    const float startCompression = 0.8f - 0.04f;
+    const float desaturation = 0.15f;
+    float x = min(colour.x, min(colour.y, colour.z));
+    float offset = x < 0.08f ? x - 6.25f * x * x : 0.04f;
+    colour -= vec3(offset, offset, offset);
+    float peak = max(colour.x, max(colour.y, colour.z));
+    if (peak < startCompression)
+        return colour;
+    float d = 1.0f - startCompression;
+    float newPeak = 1.0f - d * d / (peak + d - startCompression);
+    colour *= newPeak / peak;
+    float g = 1.0f - 1.0f / (desaturation * (peak - newPeak) + 1.0f);
+    return mix(colour, vec3(newPeak, newPeak, newPeak), g);
+}
+
+// IEC 61966-2-1, piecewise.
+LUMEL_FN float encodeSrgb(float linear)
+{
+    return linear <= 0.0031308f ? linear * 12.92f : 1.055f * pow(linear, 1.0f / 2.4f) - 0.055f;
+}
+
+// Scene radiance to 8-bit-ready sRGB, exposure included.
+LUMEL_FN vec3 displayColour(vec3 radiance, float exposure)
+{
+    vec3 mapped = clamp(toneMap(max(radiance * exposure, vec3(0.0f, 0.0f, 0.0f))), vec3(0.0f, 0.0f, 0.0f),
+                        vec3(1.0f, 1.0f, 1.0f));
+    return vec3(encodeSrgb(mapped.x), encodeSrgb(mapped.y), encodeSrgb(mapped.z));
+}
+
+LUMEL_SHARED_END
+#endif

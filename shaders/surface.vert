@@ -1,0 +1,22 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Any mesh for drawing: world-space position, normal and tangent for the fragment shader.
+#include "lib/geometry.glsl"
+
+layout(push_constant, scalar) uniform Constants { DrawPush push; };
+layout(location = 0) out vec3 positionInWorld;
+layout(location = 1) out vec3 normalInWorld;
+layout(location = 2) out vec4 tangentInWorld;
+layout(location = 3) out vec2 uv;
+
+void main()
+{
+    Object object = push.view.at.objects.at[push.object];
+    Vertex vertex = pullVertex(object, gl_VertexIndex);
+    vec4 world = object.worldFromObject * vec4(vertex.position, 1.0);
+    positionInWorld = world.xyz;
+    normalInWorld = object.worldFromObjectNormal * vertex.normal;
+    tangentInWorld = vec4(mat3(object.worldFromObject) * vertex.tangent.xyz, vertex.tangent.w);
+    uv = vertex.uv;
+    gl_Position = push.view.at.clipFromWorld * world;
+}
