@@ -176,7 +176,7 @@ void DocumentReader::checkVersion() const
         fail("not glTF: asset.version is missing", "name a .gltf or .glb file");
     const std::string version = (*asset)["version"];
     if (version.rfind("2.", 0) != 0)
-        fail(fmt::format("glTF of version {:.8}", version), "export it as glTF 2.0");
+        fail(fmt::format("glTF of version {:.8}", printable(version)), "export it as glTF 2.0");
 }
 
 void DocumentReader::checkExtensions()
@@ -197,11 +197,11 @@ void DocumentReader::checkExtensions()
     };
     for (const std::string& name : names("extensionsRequired"))
         if (!supported(name))
-            fail(fmt::format("requires the extension {:.64}, which is not supported", name),
+            fail(fmt::format("requires the extension {:.64}, which is not supported", printable(name)),
                  "export it without");
     for (const std::string& name : names("extensionsUsed"))
         if (!supported(name))
-            document_.ignored.insert(name);
+            document_.ignored.insert(printable(name));
 }
 
 std::vector<const Json*> DocumentReader::objects(const char* key) const
@@ -299,6 +299,14 @@ void DocumentReader::dropUndrawn()
 }
 
 } // namespace
+
+std::string printable(std::string text)
+{
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+            c = '?';
+    return text;
+}
 
 Document readDocument(const std::filesystem::path& file)
 {

@@ -27,6 +27,9 @@ struct Document {
     std::set<std::string> ignored; // optional extensions and features that are present and not drawn
 };
 
+// Names come from the file: control characters would break one-line messages or command a terminal.
+std::string printable(std::string text);
+
 // Reads the file and all it refers to. Throws Error.
 Document readDocument(const std::filesystem::path& file);
 

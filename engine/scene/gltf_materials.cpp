@@ -8,7 +8,7 @@ class MaterialReader {
 public:
     MaterialReader(Reader& reader, size_t index) : reader_(reader), in_(reader.model.materials[index])
     {
-        out_.name = in_.name.empty() ? fmt::format("material {}", index) : in_.name;
+        out_.name = in_.name.empty() ? fmt::format("material {}", index) : printable(in_.name);
     }
 
     Material read()

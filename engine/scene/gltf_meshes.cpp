@@ -177,7 +177,7 @@ std::vector<Primitive> readMesh(Reader& reader, int index, Scene& scene, Primiti
     if (index < 0 || size_t(index) >= reader.model.meshes.size())
         reader.fail(fmt::format("mesh {} does not exist", index));
     const tinygltf::Mesh& mesh = reader.model.meshes[size_t(index)];
-    const std::string name = mesh.name.empty() ? fmt::format("mesh {}", index) : mesh.name;
+    const std::string name = mesh.name.empty() ? fmt::format("mesh {}", index) : printable(mesh.name);
     std::vector<Primitive> primitives;
     for (size_t i = 0; i < mesh.primitives.size(); ++i) {
         const tinygltf::Primitive& p = mesh.primitives[i];

@@ -160,7 +160,7 @@ void NodeReader::addObjects(const tinygltf::Node& node, int index, const glm::ma
         meshes_[node.mesh] = readMesh(reader_, node.mesh, scene_, cache_);
     const std::vector<Primitive>& primitives = meshes_[node.mesh];
     const std::string& meshName = reader_.model.meshes[size_t(node.mesh)].name;
-    std::string name = node.name.empty() ? meshName : node.name;
+    std::string name = printable(node.name.empty() ? meshName : node.name);
     if (name.empty())
         name = fmt::format("node {}", index);
     if (glm::determinant(glm::mat3(world)) == 0.0f) { // how animations hide things
@@ -193,9 +193,9 @@ void NodeReader::addCamera(const tinygltf::Node& node, const glm::mat4& world)
         reader_.fail(fmt::format("camera {} does not exist", node.camera));
     const tinygltf::Camera& in = reader_.model.cameras[size_t(node.camera)];
     Camera camera;
-    camera.name = !node.name.empty() ? node.name
-                  : !in.name.empty() ? in.name
-                                     : fmt::format("camera {}", node.camera);
+    camera.name = printable(!node.name.empty() ? node.name
+                            : !in.name.empty() ? in.name
+                                               : fmt::format("camera {}", node.camera));
     if (in.type == "orthographic") {
         spdlog::info("{}: camera '{}' is orthographic; skipped", reader_.document.file, camera.name);
         return;
@@ -224,9 +224,9 @@ void NodeReader::addLight(const tinygltf::Node& node, int index, const glm::mat4
         reader_.fail(fmt::format("light {} does not exist", lightIndex));
     const tinygltf::Light& in = reader_.model.lights[size_t(lightIndex)];
     Light light;
-    light.name = !node.name.empty() ? node.name
-                 : !in.name.empty() ? in.name
-                                    : fmt::format("light {}", lightIndex);
+    light.name = printable(!node.name.empty() ? node.name
+                           : !in.name.empty() ? in.name
+                                              : fmt::format("light {}", lightIndex));
     const auto wrong = [&](const char* what) {
         reader_.fail(fmt::format("light '{}' has a wrong {}", light.name, what));
     };
@@ -267,11 +267,30 @@ void NodeReader::readCone(const tinygltf::Light& in, Light& light) const
     light.innerCone = std::clamp(inner, 0.0f, light.outerCone - kSmallest);
 }
 
+// Baking what nothing shows would be a waste.
+void dropUnusedMaterials(Scene& scene)
+{
+    std::vector<int> renamed(scene.materials.size(), -1);
+    for (const Object& object : scene.objects)
+        renamed[size_t(object.material)] = 0;
+    std::vector<Material> used;
+    for (size_t i = 0; i < renamed.size(); ++i) {
+        if (renamed[i] < 0)
+            continue;
+        renamed[i] = int(used.size());
+        used.push_back(std::move(scene.materials[i]));
+    }
+    scene.materials = std::move(used);
+    for (Object& object : scene.objects)
+        object.material = renamed[size_t(object.material)];
+}
+
 } // namespace
 
 void readNodes(Reader& reader, Scene& scene)
 {
     NodeReader(reader, scene).read();
+    dropUnusedMaterials(scene);
     if (scene.bounds.empty())
         return;
     // A camera in a file has a direction only. Its target is what orbiting turns about, so it goes to the

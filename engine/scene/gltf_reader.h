@@ -25,7 +25,7 @@ struct Reader {
     // "file: why; remedy"
     [[noreturn]] void fail(const std::string& why, const char* remedy = "export it again") const
     {
-        throw Error(fmt::format("{}: {}; {}", document.file, why, remedy));
+        throw Error(fmt::format("{}: {}; {}", document.file, printable(why), remedy));
     }
 };
 

@@ -1,5 +1,6 @@
 #include "gltf_uri.h"
 #include "core/error.h"
+#include "gltf_document.h"
 #include <fmt/format.h>
 
 namespace lumel::scene {
@@ -52,15 +53,6 @@ int base64Digit(char c)
 std::string shortened(const std::string& uri)
 {
     return uri.size() <= 80 ? uri : fmt::format("{:.77}...", uri);
-}
-
-// Quotes are kept readable and control characters out of the one-line message.
-std::string printable(std::string text)
-{
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-            c = '?';
-    return text;
 }
 
 bool climbs(const std::filesystem::path& path)

@@ -19,7 +19,8 @@ struct Mesh {
     std::vector<uint32_t> indices;
     Bounds bounds;
     // Empty when each point of [0, 1]^2 belongs to at most one triangle, so that lumels are unique;
-    // else the reason: "UVs overlap by 7.5 %", "UVs leave [0, 1]", "no UVs".
+    // else the reason: "UVs overlap by 7.5 %" (of the area they cover), "UVs leave [0, 1]", "no UVs",
+    // "UVs cover no area".
     std::string uvProblem;
 };
 
@@ -59,7 +60,7 @@ struct Object {
     std::string name;
     int mesh = 0;
     int material = 0;
-    glm::mat4 worldFromObject{1.0f};
+    glm::mat4 worldFromObject{1.0f}; // invertible; where it mirrors, front faces turn clockwise
 };
 
 struct Camera {
@@ -88,7 +89,7 @@ struct Light {
 struct Scene {
     std::filesystem::path file;
     std::vector<Mesh> meshes;
-    std::vector<Material> materials;
+    std::vector<Material> materials; // the ones that objects use
     std::vector<SceneImage> images;
     std::vector<Object> objects;
     std::vector<Camera> cameras; // as in the file; may be empty

@@ -1,0 +1,20 @@
+// glTF's metallic-roughness material to what the baker takes.
+#pragma once
+#include "baker/bake.h"
+#include "scene.h"
+
+namespace lumel::scene {
+
+// Decodes the images that reflection depends on. Constant materials give a map of 1 x 1 texels.
+baker::Maps reflectanceMaps(const Scene& scene, const Material& material);
+
+// Whether glow varies over the surface, told without decoding.
+bool glowVaries(const Material& material);
+// Emitted radiance (rgb) and ambient occlusion (alpha); 1 x 1 when it does not vary.
+Image glowImage(const Scene& scene, const Material& material);
+
+// The image and its halves down to 1 x 1: level L is max(1, floor(size / 2^L)), each texel the average
+// of the area that it covers.
+std::vector<Image> mipChain(Image image);
+
+} // namespace lumel::scene
