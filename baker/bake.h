@@ -32,14 +32,14 @@ struct Maps {
     float normalScale = 1.0f; // glTF normalTexture.scale: multiplies x and y before normalising
     Wrap wrap = Wrap::repeat; // for height derivatives and resampling across the border
 
-    Image power;              // channel 0: Blinn-Phong power, as stored
+    Image power; // channel 0: Blinn-Phong power, as stored
     float powerConstant = 200.0f;
-    Image roughness;          // channel 0: glTF perceptual roughness; wins over power when present
-    Image tangentRotation;    // channel 0: [0, 1] = rotation of the anisotropy axes by [0, pi)
+    Image roughness;                  // channel 0: glTF perceptual roughness; wins over power when present
+    Image tangentRotation;            // channel 0: [0, 1] = rotation of the anisotropy axes by [0, pi)
     glm::vec2 anisotropicPower{0.0f}; // base power along Tu and Tv; 0 = isotropic
-    Image specular;           // rgb or grey Ks
+    Image specular;                   // rgb or grey Ks
     glm::vec3 specularConstant{0.04f};
-    Image diffuse;            // rgb or grey Kd, linear
+    Image diffuse; // rgb or grey Kd, linear
     glm::vec3 diffuseConstant{0.0f};
 };
 
@@ -57,7 +57,7 @@ struct Level {
 };
 
 struct ReflectanceMips {
-    std::vector<Level> levels; // level L is max(1, floor(size / 2^L)); the last is 1 x 1
+    std::vector<Level> levels;                  // level L is max(1, floor(size / 2^L)); the last is 1 x 1
     std::string model, method, version, source; // the file's lumel:* metadata
 };
 

@@ -1,0 +1,116 @@
+#include "chain.h"
+#include "coarse.h"
+#include "fine.h"
+#include "footprint.h"
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace lumel::baker {
+namespace {
+// A texel of level 4 covers 16 x 16 lobes: the last level that averages them anew for every texel.
+constexpr int kLastFineLevel = 4;
+} // namespace
+
+Chain::Chain(const Maps& maps, const Options& options, Progress* progress)
+    : maps_(maps), options_(options), progress_(progress), source_(maps)
+{
+    if (options.method == Method::height)
+        heights_ = std::make_unique<HeightMips>(maps, source_.width(), source_.height());
+}
+
+std::vector<Level> Chain::run()
+{
+    levels_.push_back(baseLevel());
+    const int count = levelCount(source_.width(), source_.height());
+    for (int number = 1; number < count; ++number)
+        levels_.push_back({levelSize(source_.width(), number), levelSize(source_.height(), number), {}});
+    for (int number = 1; number < count; ++number)
+        levels_[size_t(number)].texels.resize(size_t(levels_[size_t(number)].width) *
+                                              size_t(levels_[size_t(number)].height) * kChannels);
+    for (int number = 1; number < std::min(count, kLastFineLevel + 1); ++number)
+        fineLevel(number);
+    if (count > kLastFineLevel + 1)
+        coarseLevels(kLastFineLevel + 1);
+    return std::move(levels_);
+}
+
+// Level 0 is the input's own lobes: nothing to fit, no error.
+Level Chain::baseLevel() const
+{
+    Level level{source_.width(), source_.height(), {}};
+    level.texels.resize(size_t(level.width) * size_t(level.height) * kChannels);
+    tbb::parallel_for(tbb::blocked_range<int>(0, level.height, 8), [&](const auto& rows) {
+        Lobes lobes;
+        lobes.resize(size_t(level.width));
+        for (int y = rows.begin(); y < rows.end(); ++y) {
+            source_.read(y, 0, level.width, lobes, 0);
+            float* t = level.texels.data() + size_t(y) * size_t(level.width) * kChannels;
+            for (size_t x = 0; x < size_t(level.width); ++x, t += kChannels) {
+                const float values[kChannels] = {lobes.nx[x],    lobes.ny[x],    lobes.sxx[x],
+                                                 lobes.sxy[x],   lobes.syy[x],   lobes.ks[0][x],
+                                                 lobes.ks[1][x], lobes.ks[2][x], lobes.kd[0][x],
+                                                 lobes.kd[1][x], lobes.kd[2][x], 0.0f};
+                // Kd of a level is the vector average of Kd N along N: at level 0 Kd itself.
+                std::copy(values, values + kChannels, t);
+            }
+        }
+    });
+    return level;
+}
+
+void Chain::advance(size_t units) const
+{
+    if (progress_)
+        progress_->advance(units);
+}
+
+TexelTask Chain::makeTask(int number, int x, int y, const Moments& mean)
+{
+    TexelTask task;
+    task.mean = mean;
+    Level& level = levels_[size_t(number)];
+    task.texel = level.texels.data() + (size_t(y) * size_t(level.width) + size_t(x)) * kChannels;
+    if (options_.method != Method::fit) {
+        glm::vec3 normal(0.0f, 0.0f, 1.0f);
+        if (heights_)
+            normal = heights_->normal(x, y);
+        task.shape = closedFormShape(options_.method, mean, normal);
+        return task;
+    }
+    // The finer level's lobes under this texel; level 1 sits on the input itself.
+    const Level& finer = levels_[size_t(number - 1)];
+    const Footprint fx(x, level.width, finer.width), fy(y, level.height, finer.height);
+    for (int j = 0; j < 2; ++j)
+        for (int i = 0; i < 2; ++i) {
+            const int cx = std::min(fx.first + i, fx.last - 1), cy = std::min(fy.first + j, fy.last - 1);
+            const float* t = finer.at(cx, cy);
+            task.children[size_t(task.childCount++)] = {t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]};
+        }
+    return task;
+}
+
+void Chain::fineLevel(int number)
+{
+    const Level& level = levels_[size_t(number)];
+    if (heights_)
+        heights_->setLevel(level.width, level.height);
+    const int tile = std::max(1, 64 >> number);
+    const int across = (level.width + tile - 1) / tile, down = (level.height + tile - 1) / tile;
+    tbb::parallel_for(tbb::blocked_range<int>(0, across * down), [&](const auto& range) {
+        FineTile worker(*this);
+        for (int i = range.begin(); i < range.end(); ++i)
+            worker.run(number, i % across * tile, i / across * tile, tile);
+    });
+}
+
+void Chain::coarseLevels(int first)
+{
+    CoarseCells cells(*this, first);
+    for (int number = first; number < int(levels_.size()); ++number) {
+        if (heights_)
+            heights_->setLevel(levels_[size_t(number)].width, levels_[size_t(number)].height);
+        cells.solveLevel(number);
+    }
+}
+
+} // namespace lumel::baker

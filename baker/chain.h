@@ -1,0 +1,36 @@
+// The chain of levels over one source.
+#pragma once
+#include "bake.h"
+#include "closed_form.h"
+#include "source.h"
+#include <memory>
+
+namespace lumel::baker {
+
+class Chain {
+public:
+    Chain(const Maps& maps, const Options& options, Progress* progress);
+    std::vector<Level> run();
+
+private:
+    Level baseLevel() const;
+    // Levels whose texels cover few lobes: nodes of their own for each texel.
+    void fineLevel(int number);
+    // Levels above: lobes are averaged once on nodes that all texels share, in cells whose borders are
+    // the borders of all these levels, and the cells are then summed.
+    void coarseLevels(int first);
+    void advance(size_t units) const;
+    struct TexelTask makeTask(int number, int x, int y, const struct Moments& mean);
+
+    const Maps& maps_;
+    const Options& options_;
+    Progress* progress_;
+    Source source_;
+    std::unique_ptr<HeightMips> heights_;
+    std::vector<Level> levels_;
+
+    friend class FineTile;
+    friend class CoarseCells;
+};
+
+} // namespace lumel::baker

@@ -1,0 +1,175 @@
+// The baked file: a tiled, MIP-mapped OpenEXR with named channels, written whole or not at all and
+// checked completely when read, because it also serves as the bake cache.
+#include "bake.h"
+#include "core/error.h"
+#include "core/file.h"
+#include <OpenImageIO/imageio.h>
+#include <bit>
+#include <fmt/format.h>
+
+namespace lumel::baker {
+namespace {
+
+constexpr const char* kChannelNames[kChannels] = {"N.x",  "N.y",  "S.xx", "S.xy", "S.yy", "Ks.R",
+                                                  "Ks.G", "Ks.B", "Kd.R", "Kd.G", "Kd.B", "E"};
+constexpr float kMaxHalf = 65504.0f;
+constexpr int kTileSize = 64;
+
+std::string firstLine(const std::string& text)
+{
+    return text.substr(0, text.find('\n'));
+}
+
+// Rounds to the nearest half float (11 significant bits) and back; |v| is at most kMaxHalf.
+float roundToHalf(float v)
+{
+    if (std::abs(v) < 6.103515625e-5f) // subnormal halves are multiples of 2^-24
+        return std::nearbyint(v * 16777216.0f) / 16777216.0f;
+    const uint32_t bits = std::bit_cast<uint32_t>(v);
+    return std::bit_cast<float>((bits + 0xfffu + ((bits >> 13) & 1u)) & ~0x1fffu);
+}
+
+// What is stored must still be a lobe: finite, and S positive definite after rounding. Long thin lobes
+// at an angle have det S far below the product of its rounded entries; |S.xy| then gives way.
+void quantise(float* texel)
+{
+    for (int c = 0; c < kChannels; ++c)
+        texel[c] = roundToHalf(std::clamp(texel[c], -kMaxHalf, kMaxHalf));
+    const float product = texel[kSxx] * texel[kSyy];
+    while (product - texel[kSxy] * texel[kSxy] < 2e-4f * product) {
+        const float step = std::max(std::abs(texel[kSxy]) / 2048.0f, 6e-8f);
+        texel[kSxy] = roundToHalf(std::copysign(std::abs(texel[kSxy]) - step, texel[kSxy]));
+    }
+}
+
+std::vector<float> quantised(const Level& level)
+{
+    std::vector<float> texels = level.texels;
+    for (size_t i = 0; i < texels.size(); i += kChannels)
+        quantise(&texels[i]);
+    return texels;
+}
+
+OIIO::ImageSpec makeSpec(const ReflectanceMips& mips, const Level& level, bool asFloat)
+{
+    OIIO::ImageSpec spec(level.width, level.height, kChannels,
+                         asFloat ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::HALF);
+    spec.channelnames.assign(kChannelNames, kChannelNames + kChannels);
+    spec.alpha_channel = -1;
+    spec.z_channel = -1;
+    spec.tile_width = spec.tile_height = kTileSize;
+    spec.attribute("compression", "zip");
+    spec.attribute("openexr:zipCompressionLevel", 2);  // 3 times faster than the default, 4 % larger
+    spec.attribute("textureformat", "Plain Texture");  // asks OpenImageIO for MIPMAP_LEVELS
+    spec.attribute("DateTime", "1970:01:01 00:00:00"); // the same chain is the same file
+    spec.attribute("lumel:model", mips.model);
+    spec.attribute("lumel:method", mips.method);
+    spec.attribute("lumel:version", mips.version);
+    spec.attribute("lumel:source", mips.source);
+    return spec;
+}
+
+[[noreturn]] void reject(const std::string& name, const std::string& why)
+{
+    throw Error(fmt::format("{}: {}; bake it again", name, why));
+}
+
+void checkTexels(const Level& level, size_t number, const std::string& name)
+{
+    for (size_t i = 0; i < level.texels.size(); i += kChannels) {
+        const float* t = &level.texels[i];
+        bool good = true;
+        for (int c = 0; c < kChannels; ++c)
+            good = good && std::isfinite(t[c]);
+        good = good && t[kNx] * t[kNx] + t[kNy] * t[kNy] <= 1.0f;
+        good = good && t[kSxx] > 0.0f && t[kSyy] > 0.0f && t[kSxx] * t[kSyy] > t[kSxy] * t[kSxy];
+        if (!good)
+            reject(name, fmt::format("level {} holds a texel that is no lobe", number));
+    }
+}
+
+// Where each of our channels sits in the file, which may order them differently.
+std::array<int, kChannels> channelIndices(const OIIO::ImageSpec& spec, const std::string& name)
+{
+    std::array<int, kChannels> indices{};
+    if (spec.nchannels != kChannels)
+        reject(name,
+               fmt::format("{} channels instead of {}: no baked reflectance", spec.nchannels, +kChannels));
+    for (int c = 0; c < kChannels; ++c) {
+        indices[size_t(c)] = spec.channelindex(kChannelNames[c]);
+        if (indices[size_t(c)] < 0)
+            reject(name, fmt::format("channel {} is missing: no baked reflectance", kChannelNames[c]));
+    }
+    return indices;
+}
+
+} // namespace
+
+void writeExr(const std::filesystem::path& file, const ReflectanceMips& mips, bool asFloat)
+{
+    if (mips.levels.empty())
+        throw Error(fmt::format("{}: nothing baked to write; bake first", file.string()));
+    writeAtomically(file, [&](const std::filesystem::path& temporary) {
+        const auto fail = [&](const std::string& why) {
+            throw Error(fmt::format("{}: cannot be written ({})", file.string(), firstLine(why)));
+        };
+        auto output = OIIO::ImageOutput::create("openexr");
+        if (!output)
+            fail(OIIO::geterror());
+        auto mode = OIIO::ImageOutput::Create;
+        for (const Level& level : mips.levels) {
+            if (!output->open(temporary.string(), makeSpec(mips, level, asFloat), mode))
+                fail(output->geterror());
+            const bool written = asFloat
+                                     ? output->write_image(OIIO::TypeDesc::FLOAT, level.texels.data())
+                                     : output->write_image(OIIO::TypeDesc::FLOAT, quantised(level).data());
+            if (!written)
+                fail(output->geterror());
+            mode = OIIO::ImageOutput::AppendMIPLevel;
+        }
+        if (!output->close())
+            fail(output->geterror());
+    });
+}
+
+ReflectanceMips readExr(const std::filesystem::path& file)
+{
+    const std::string name = file.string();
+    auto input = std::filesystem::is_regular_file(file) ? OIIO::ImageInput::open(name) : nullptr;
+    if (!input) {
+        (void)OIIO::geterror();
+        reject(name, "missing or not an OpenEXR file");
+    }
+    ReflectanceMips mips;
+    const OIIO::ImageSpec first = input->spec();
+    if (first.width < 1 || first.height < 1 || size_t(first.width) * size_t(first.height) > kMaxImagePixels)
+        reject(name, "impossible size");
+    const auto indices = channelIndices(first, name);
+    mips.model = first.get_string_attribute("lumel:model");
+    mips.method = first.get_string_attribute("lumel:method");
+    mips.version = first.get_string_attribute("lumel:version");
+    mips.source = first.get_string_attribute("lumel:source");
+    if (mips.version != kVersion)
+        reject(name, fmt::format("baked by version '{}' instead of '{}'", mips.version, kVersion));
+    int width = first.width, height = first.height;
+    for (int number = 0;; ++number) {
+        if (!input->seek_subimage(0, number) || input->spec().width != width ||
+            input->spec().height != height)
+            reject(name, fmt::format("level {} of {} x {} texels is missing", number, width, height));
+        std::vector<float> raw(size_t(width) * size_t(height) * kChannels);
+        if (!input->read_image(0, number, 0, kChannels, OIIO::TypeDesc::FLOAT, raw.data()))
+            reject(name, fmt::format("level {} is damaged ({})", number, firstLine(input->geterror())));
+        Level level{width, height, std::vector<float>(raw.size())};
+        for (size_t i = 0; i < raw.size(); i += kChannels)
+            for (size_t c = 0; c < kChannels; ++c)
+                level.texels[i + c] = raw[i + size_t(indices[c])];
+        checkTexels(level, size_t(number), name);
+        mips.levels.push_back(std::move(level));
+        if (width == 1 && height == 1)
+            return mips;
+        width = std::max(1, width / 2);
+        height = std::max(1, height / 2);
+    }
+}
+
+} // namespace lumel::baker

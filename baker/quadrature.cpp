@@ -1,0 +1,189 @@
+#include "quadrature.h"
+#include "shared/limits.h"
+
+namespace lumel::baker {
+namespace {
+
+// Spacing and margin in standard deviations of a lobe. Products of two equal lobes have a Fourier
+// transform exp(-(w sigma)^2 / 4): at spacing 0.8 sigma the rule's error is 4 exp(-(pi / 0.8)^2) =
+// 8e-7, and beyond 2.75 sigma lies exp(-2.75^2) = 5e-4 of it.
+constexpr double kSpacing = 0.8;
+constexpr double kMargin = 2.75;
+// Below this power lobes reach the rim of the disc, where a lattice ends abruptly; the product rule
+// (Gauss-Legendre in h.z, trapezoidal in the angle) covers the disc without an edge.
+constexpr double kDiscRulePower = 14.0;
+
+struct Gauss {
+    std::vector<double> x, w; // on [0, 1]
+};
+
+Gauss gaussLegendre(int n)
+{
+    Gauss g;
+    for (int i = 0; i < n; ++i) {
+        double x = std::cos(double(shared::kPi) * (i + 0.75) / (n + 0.5)), slope = 1.0;
+        for (int step = 0; step < 8; ++step) { // Newton on Legendre's polynomial
+            double p0 = 1.0, p1 = x;
+            for (int k = 2; k <= n; ++k) {
+                const double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k;
+                p0 = p1;
+                p1 = p2;
+            }
+            slope = n * (x * p1 - p0) / (x * x - 1.0);
+            x -= p1 / slope;
+        }
+        g.x.push_back(0.5 * (x + 1.0));
+        g.w.push_back(1.0 / ((1.0 - x * x) * slope * slope));
+    }
+    return g;
+}
+
+// The whole disc: dx dy = z dz dphi.
+std::vector<Node> discRule(int rings, int spokes)
+{
+    const Gauss gauss = gaussLegendre(rings);
+    std::vector<Node> nodes;
+    for (int i = 0; i < rings; ++i) {
+        const double z = gauss.x[size_t(i)], r = std::sqrt(1.0 - z * z);
+        const int count = std::max(6, int(std::ceil(spokes * std::min(1.0, 1.15 * r))));
+        for (int j = 0; j < count; ++j) {
+            const double phi = 2.0 * 3.14159265358979 * (j + 0.5 * (i & 1)) / count;
+            const double area = gauss.w[size_t(i)] * z * 2.0 * 3.14159265358979 / count;
+            nodes.push_back({float(r * std::cos(phi)), float(r * std::sin(phi)), float(z), float(area)});
+        }
+    }
+    return nodes;
+}
+
+const std::vector<Node>& discRuleFor(double power)
+{
+    static const std::vector<Node> small = discRule(7, 14);
+    static const std::vector<Node> medium = discRule(12, 26);
+    static const std::vector<Node> large = discRule(24, 56);
+    return power <= 4.0 ? small : power <= kDiscRulePower ? medium : large;
+}
+
+void addNode(double lx, double ly, double area, std::vector<Node>& nodes)
+{
+    const double r2 = lx * lx + ly * ly;
+    const double z = 1.0 - 0.5 * r2;
+    if (z <= 1e-3)
+        return;
+    const double scale = std::sqrt(1.0 - 0.25 * r2);
+    nodes.push_back({float(lx * scale), float(ly * scale), float(z), float(area * z)});
+}
+
+// Derivative of Lambert's map along a tangent t of the unit vector n.
+glm::dvec2 lambertStep(glm::dvec3 n, glm::dvec3 t)
+{
+    const double g = std::sqrt(2.0 / (1.0 + n.z));
+    return g * (glm::dvec2(t) - glm::dvec2(n) * (0.5 * t.z / (1.0 + n.z)));
+}
+
+// Covariance of a lobe in Lambert's map.
+Sym2 lambertCovariance(glm::dvec3 n, const Sym2& s)
+{
+    const double r = std::sqrt(1.0 - n.x * n.x);
+    const glm::dvec2 u = lambertStep(n, glm::dvec3(r, -n.x * n.y / r, -n.x * n.z / r));
+    const glm::dvec2 v = lambertStep(n, glm::dvec3(0.0, n.z / r, -n.y / r));
+    const auto entry = [&](int i, int j) {
+        return s.xx * u[i] * u[j] + s.xy * (u[i] * v[j] + v[i] * u[j]) + s.yy * v[i] * v[j];
+    };
+    return {entry(0, 0), entry(0, 1), entry(1, 1)};
+}
+
+} // namespace
+
+void Lattice::plan(const Lobes& lobes, const Member* members, size_t count, const Moments& mean,
+                   std::vector<Node>& nodes)
+{
+    const double power = mean.energyPower / mean.energy;
+    const auto rim = [&] { // does some lobe reach the rim?
+        for (size_t i = 0; i < count; ++i) {
+            const uint32_t m = members[i].lobe;
+            const double r2 = 1.0 - double(lobes.nz[m]) * lobes.nz[m];
+            if (r2 > 0.5 && power * std::log(r2) > -7.0)
+                return true;
+        }
+        return false;
+    };
+    if (power <= kDiscRulePower || (power <= 80.0 && rim())) {
+        nodes = discRuleFor(power);
+        return;
+    }
+    // Precision of the lobes in Lambert's map, weighted by energy: the narrow ones decide.
+    Sym2 precision, covariance;
+    glm::dvec2 centre(0.0);
+    double total = 0.0, share = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t m = members[i].lobe;
+        const Sym2 s{lobes.sxx[m], lobes.sxy[m], lobes.syy[m]};
+        const Sym2 p = lambertCovariance({lobes.nx[m], lobes.ny[m], lobes.nz[m]}, s).inverse();
+        const double w = members[i].share / std::sqrt(s.det());
+        precision = precision + p * w;
+        total += w;
+        const glm::dvec2 l = lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]);
+        centre += l * double(members[i].share);
+        covariance = covariance + Sym2{l.x * l.x, l.x * l.y, l.y * l.y} * members[i].share;
+        share += members[i].share;
+    }
+    precision = precision * (1.0 / total);
+    centre /= share;
+    covariance = covariance * (1.0 / share) +
+                 Sym2{centre.x * centre.x, centre.x * centre.y, centre.y * centre.y} * -1.0;
+    // y = K^T (l - centre), precision = K K^T: lobes have unit size. Then turn to the spread's axes.
+    const double k11 = std::sqrt(precision.xx), k21 = precision.xy / k11;
+    const double k22 = std::sqrt(std::max(precision.yy - k21 * k21, 1e-12));
+    const auto whiten = [&](glm::dvec2 d) { return glm::dvec2(k11 * d.x + k21 * d.y, k22 * d.y); };
+    const double cxx = k11 * k11 * covariance.xx + 2 * k11 * k21 * covariance.xy + k21 * k21 * covariance.yy;
+    const double cxy = k22 * (k11 * covariance.xy + k21 * covariance.yy), cyy = k22 * k22 * covariance.yy;
+    const double angle = 0.5 * std::atan2(2.0 * cxy, cxx - cyy);
+    const glm::dvec2 axis(std::cos(angle), std::sin(angle)), side(-axis.y, axis.x);
+    glm::dvec2 lower(1e30), upper(-1e30);
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t m = members[i].lobe;
+        const glm::dvec2 y = whiten(glm::dvec2(lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m])) - centre);
+        const double detS = double(lobes.sxx[m]) * lobes.syy[m] - double(lobes.sxy[m]) * lobes.sxy[m];
+        const double margin = kMargin * std::clamp(std::sqrt(power * std::sqrt(detS)), 1.0, 4.0);
+        const glm::dvec2 t(glm::dot(y, axis), glm::dot(y, side));
+        lower = glm::min(lower, t - margin);
+        upper = glm::max(upper, t + margin);
+    }
+    const glm::dvec2 size = upper - lower;
+    const double spacing = std::max(kSpacing, std::sqrt(size.x * size.y / double(kMaxNodes)));
+    const int n1 = std::max(1, int(std::ceil(size.x / spacing))),
+              n2 = std::max(1, int(std::ceil(size.y / spacing)));
+    const glm::dvec2 step = size / glm::dvec2(n1, n2);
+    const double area = step.x * step.y / (k11 * k22);
+    nodes.clear();
+    for (int j = 0; j < n2; ++j)
+        for (int i = 0; i < n1; ++i) {
+            const glm::dvec2 t = lower + step * glm::dvec2(i + 0.5, j + 0.5);
+            const glm::dvec2 y = axis * t.x + side * t.y;
+            const double dy = y.y / k22, dx = (y.x - k21 * dy) / k11;
+            addNode(centre.x + dx, centre.y + dy, area, nodes);
+        }
+}
+
+void Lattice::planShared(glm::vec2 lower, glm::vec2 upper, double power, std::vector<Node>& nodes)
+{
+    if (power <= kDiscRulePower) {
+        nodes = discRuleFor(power);
+        return;
+    }
+    const double sigma = 1.0 / std::sqrt(power);
+    const double edge = std::sqrt(2.0);
+    const glm::dvec2 from = glm::max(glm::dvec2(lower) - kMargin * sigma, glm::dvec2(-edge));
+    const glm::dvec2 size = glm::min(glm::dvec2(upper) + kMargin * sigma, glm::dvec2(edge)) - from;
+    const double spacing = std::max(kSpacing * sigma, std::sqrt(size.x * size.y / double(kMaxNodes)));
+    const int n1 = int(std::ceil(size.x / spacing)), n2 = int(std::ceil(size.y / spacing));
+    const glm::dvec2 step = size / glm::dvec2(n1, n2);
+    nodes.clear();
+    for (int j = 0; j < n2; ++j)
+        for (int i = 0; i < n1; ++i) {
+            const glm::dvec2 l = from + step * glm::dvec2(i + 0.5, j + 0.5);
+            addNode(l.x, l.y, step.x * step.y, nodes);
+        }
+}
+
+} // namespace lumel::baker
