@@ -16,9 +16,34 @@ constexpr float kRadius = 0.1f; // metres
 
 // Reliefs and colours are functions of the point on the unit sphere, so charts meet without a seam.
 
+// The lattice point of one cell, moved at random inside it: scattered points, evenly dense.
+struct Scattered {
+    glm::vec3 offset; // from the place that asks, in cells
+    int id;
+};
+
+template<class Visit>
+void forNeighbours(glm::vec3 q, const Visit& visit)
+{
+    const glm::ivec3 cell = glm::ivec3(glm::floor(q));
+    for (int k = 0; k < 27; ++k) {
+        const glm::ivec3 c = cell + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
+        const int id = int(hash(uint32_t(c.x) + hash(uint32_t(c.y) + hash(uint32_t(c.z)))));
+        const glm::vec3 jitter(random01(id, 1), random01(id, 2), random01(id, 3));
+        visit(Scattered{glm::vec3(c) + jitter - q, id});
+    }
+}
+
+// Round bumps of many sizes over gentle waves, like cast iron under enamel.
 float bumpy(glm::vec3 p)
 {
-    return fbm3(9.0f * p, 2, 61) + 0.5f * smooth(0.0f, 0.5f, noise3(17.0f * p, 67));
+    float height = 0.10f * fbm3(5.0f * p, 2, 61);
+    forNeighbours(9.0f * p, [&](const Scattered& point) {
+        const float reach = 0.35f + 0.6f * random01(point.id, 4); // in cells
+        const float t = glm::max(1.0f - glm::dot(point.offset, point.offset) / (reach * reach), 0.0f);
+        height += 0.5f * reach * t * t;
+    });
+    return height;
 }
 
 // Scratches are thin grooves along pieces of circles on the sphere: planes that cut it.
@@ -77,17 +102,11 @@ float bricked(glm::vec3 p)
 float hammered(glm::vec3 p)
 {
     constexpr float kCells = 9.0f; // across the radius
-    const glm::vec3 q = kCells * p;
-    const glm::ivec3 cell = glm::ivec3(glm::floor(q));
     float nearest = std::numeric_limits<float>::max();
-    for (int k = 0; k < 27; ++k) {
-        const glm::ivec3 c = cell + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
-        const int id = int(hash(uint32_t(c.x) + hash(uint32_t(c.y) + hash(uint32_t(c.z)))));
-        const glm::vec3 offset(random01(id, 1), random01(id, 2), random01(id, 3));
-        const glm::vec3 to = glm::vec3(c) + offset - q;
-        nearest = std::min(nearest, glm::dot(to, to));
-    }
-    return std::min(nearest, 1.0f) + 0.05f * fbm3(3.0f * q, 2, 79);
+    forNeighbours(kCells * p, [&](const Scattered& point) {
+        nearest = std::min(nearest, glm::dot(point.offset, point.offset));
+    });
+    return std::min(nearest, 1.0f) + 0.05f * fbm3(3.0f * kCells * p, 2, 79);
 }
 
 // Brushed around the vertical axis: noise that is fine in latitude and long in longitude.
@@ -110,10 +129,10 @@ struct BallLook {
 
 const std::array<BallLook, 5> kBalls{{
     {"bumpy", bumpy, 0.38f, {.baseColour = {0.02f, 0.10f, 0.30f}, .power = 260.0f}},
-    {"scratched", scratched, 0.22f, {.baseColour = {0.60f, 0.61f, 0.63f}, .metallic = 1.0f, .power = 600.0f}},
+    {"scratched", scratched, 0.22f, {.baseColour = {0.60f, 0.61f, 0.63f}, .metallic = 1.0f, .power = 90.0f}},
     {"bricks", bricked, 0.40f, {.baseColour = glm::vec3(1.0f), .power = 60.0f}, true},
-    {"hammered", hammered, 0.28f, {.baseColour = {0.93f, 0.52f, 0.36f}, .metallic = 1.0f, .power = 320.0f}},
-    {"brushed", brushed, 0.25f, {.baseColour = {1.0f, 0.74f, 0.32f}, .metallic = 1.0f, .power = 260.0f}},
+    {"hammered", hammered, 0.28f, {.baseColour = {0.93f, 0.52f, 0.36f}, .metallic = 1.0f, .power = 50.0f}},
+    {"brushed", brushed, 0.25f, {.baseColour = {1.0f, 0.74f, 0.32f}, .metallic = 1.0f, .power = 90.0f}},
 }};
 
 } // namespace
@@ -141,14 +160,14 @@ void writeBalls(const std::filesystem::path& folder)
         gltf.addObject(kBalls[i].name, shape, material, {2.3f * kRadius * (float(i) - 2.0f), kRadius, 0.0f});
     }
     const int floor = gltf.addMaterial("floor", {.baseColour = {0.06f, 0.06f, 0.065f}, .power = 30.0f});
-    gltf.addObject("floor", gltf.addShape(floorGrid(4.0f, 4.0f, 8)), floor);
+    gltf.addObject("floor", gltf.addShape(floorGrid(12.0f, 12.0f, 8)), floor);
 
     gltf.addCamera("default", {0.0f, 0.26f, 1.05f}, {0.0f, 0.09f, 0.0f}, 40.0f, 0.02f);
     gltf.addCamera("near", {0.10f, 0.17f, 0.40f}, {0.02f, 0.095f, 0.0f}, 40.0f, 0.01f);
     gltf.addCamera("far", {0.6f, 1.1f, 3.6f}, {0.0f, 0.05f, 0.0f}, 30.0f, 0.05f);
     gltf.addDirectional("key", {-0.6f, 0.9f, 0.7f}, {1.0f, 0.94f, 0.84f}, 3.2f);
     gltf.addDirectional("rim", {0.8f, 0.5f, -0.6f}, {0.65f, 0.80f, 1.0f}, 3.0f);
-    gltf.addDirectional("fill", {0.7f, 0.3f, 0.8f}, {0.9f, 0.95f, 1.0f}, 0.7f);
+    gltf.addDirectional("fill", {0.5f, 0.25f, 0.9f}, {0.9f, 0.95f, 1.0f}, 1.1f);
     gltf.write();
 }
 

@@ -17,11 +17,12 @@ json toJson(glm::vec3 v)
     return {v.x, v.y, v.z};
 }
 
-// The rotation that turns -Z, where glTF's cameras and lights look, towards `forward`.
-json rotationTo(glm::vec3 forward)
+// The rotation that turns -Z, where glTF's cameras and lights look, in the given direction.
+json rotationTo(glm::vec3 towards)
 {
+    const glm::vec3 forward = glm::normalize(towards);
     const glm::vec3 up = std::abs(forward.y) > 0.999f ? glm::vec3(0, 0, -1) : glm::vec3(0, 1, 0);
-    const glm::quat q = glm::quatLookAt(glm::normalize(forward), up);
+    const glm::quat q = glm::quatLookAt(forward, up);
     return {q.x, q.y, q.z, q.w};
 }
 

@@ -33,7 +33,7 @@ constexpr std::array<Track, 5> kTracks{{{146.0f, 131.2f, 0.85f},
                                         {109.4f, 97.5f, 0.62f},
                                         {95.9f, 80.0f, 0.92f},
                                         {78.4f, 65.0f, 0.75f}}};
-constexpr float kGapGroove = 0.2f;   // half width of a lone groove
+constexpr float kGapGroove = 0.3f;   // half width of a lone groove
 constexpr float kRunOutPitch = 3.1f; // of the spiral after the last track
 constexpr float kLockedGroove = 53.5f;
 
@@ -168,12 +168,12 @@ Shape spindleShape()
 
 void addSet(GltfWriter& gltf)
 {
-    const int wood = gltf.addMaterial("lacquer", {.baseColour = {0.021f, 0.016f, 0.014f}, .power = 160.0f});
-    const int table = gltf.addMaterial("table", {.baseColour = {0.055f, 0.045f, 0.04f}, .power = 14.0f});
+    const int wood = gltf.addMaterial("walnut", {.baseColour = {0.034f, 0.019f, 0.012f}, .power = 6.0f});
+    const int table = gltf.addMaterial("table", {.baseColour = {0.010f, 0.018f, 0.024f}, .power = 4.0f});
     const int steel =
-        gltf.addMaterial("steel", {.baseColour = {0.66f, 0.65f, 0.63f}, .metallic = 1.0f, .power = 500.0f});
+        gltf.addMaterial("steel", {.baseColour = {0.66f, 0.65f, 0.63f}, .metallic = 1.0f, .power = 30.0f});
     gltf.addObject("plinth", gltf.addShape(box({-0.215f, -0.07f, -0.19f}, {0.215f, 0.0f, 0.19f})), wood);
-    gltf.addObject("table", gltf.addShape(floorGrid(4.0f, 4.0f, 8)), table, {0.0f, -0.07f, 0.0f});
+    gltf.addObject("table", gltf.addShape(floorGrid(10.0f, 10.0f, 8)), table, {0.0f, -0.07f, 0.0f});
     gltf.addObject("spindle", gltf.addShape(spindleShape()), steel);
 }
 
@@ -186,7 +186,7 @@ void addCamerasAndLights(GltfWriter& gltf)
     // azimuths make two hourglasses, warm and cool.
     gltf.addDirectional("key", {-0.55f, 1.0f, -0.62f}, {1.0f, 0.90f, 0.76f}, 5.0f);
     gltf.addDirectional("rim", {0.80f, 0.75f, -0.70f}, {0.62f, 0.78f, 1.0f}, 3.0f);
-    gltf.addDirectional("fill", {0.2f, 1.0f, 0.9f}, {1.0f, 0.96f, 0.92f}, 0.8f);
+    gltf.addDirectional("fill", {0.2f, 1.0f, 0.9f}, {1.0f, 0.96f, 0.92f}, 1.3f);
 }
 
 } // namespace
