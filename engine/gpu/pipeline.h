@@ -27,7 +27,7 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
 
 struct GraphicsInfo {
     std::string vertex, fragment;
-    std::vector<vk::DescriptorSetLayout> sets;
+    std::vector<vk::DescriptorSetLayout> sets{};
     uint32_t pushBytes = 0;
     vk::Format color = vk::Format::eR16G16B16A16Sfloat;
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;

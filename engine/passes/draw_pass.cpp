@@ -64,7 +64,7 @@ void DrawPass::record(Frame& frame, LitPool& pool)
                                             .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
                                             .loadOp = vk::AttachmentLoadOp::eClear,
                                             .storeOp = vk::AttachmentStoreOp::eDontCare,
-                                            .clearValue = {.depthStencil = {0.0f, 0}}};
+                                            .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
     commands.beginRendering({.renderArea = {{0, 0}, targets.hdr.extent()},
                              .layerCount = 1,
                              .colorAttachmentCount = 1,

@@ -54,7 +54,7 @@ void NeedPass::record(Frame& frame)
                                             .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
                                             .loadOp = vk::AttachmentLoadOp::eClear,
                                             .storeOp = vk::AttachmentStoreOp::eDontCare,
-                                            .clearValue = {.depthStencil = {0.0f, 0}}};
+                                            .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
     commands.beginRendering({.renderArea = {{0, 0}, extent},
                              .layerCount = 1,
                              .colorAttachmentCount = 1,

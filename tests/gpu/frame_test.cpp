@@ -1,0 +1,211 @@
+// The whole frame, rendered with validation on: every test ends by checking that validation said nothing.
+#include "core/compare.h"
+#include "shared/shading.h"
+#include "shared/tonemap.h"
+#include "test_scene.h"
+
+using namespace lumel;
+using namespace lumel::test;
+
+namespace {
+
+class FrameTest : public testing::Test {
+protected:
+    void TearDown() override { EXPECT_EQ(device().validationMessages(), std::vector<std::string>{}); }
+};
+
+Settings settingsFor(Shading shading, glm::uvec2 size = {160, 90})
+{
+    Settings settings;
+    settings.shading = shading;
+    settings.size = size;
+    settings.samples = 64;
+    return settings;
+}
+
+struct Picture {
+    Image display, radiance;
+    FrameStats stats;
+};
+
+Picture shoot(const TestScene& s, const scene::Camera& camera, const Settings& settings)
+{
+    Renderer renderer(device(), s.scene, s.materials, settings);
+    Picture picture;
+    picture.stats = renderer.render(camera);
+    picture.display = renderer.readDisplay();
+    picture.radiance = renderer.readRadiance();
+    return picture;
+}
+
+TestScene sphereScene(const baker::Maps& maps)
+{
+    TestScene s;
+    s.add(sphereMesh(), maps);
+    s.scene.lights = {sun({-1, -1, -1}), sun({1, -0.3f, -1}, 1.0f)};
+    return s;
+}
+
+} // namespace
+
+TEST_F(FrameTest, ForwardPixelEqualsTheSharedFormulaInCpp)
+{
+    TestScene s;
+    baker::Maps maps = plainMaps({0.3f, 0.2f, 0.1f}, 50.0f);
+    maps.specularConstant = {0.5f, 0.4f, 0.3f};
+    s.add(planeMesh(), maps);
+    s.scene.lights = {sun({-0.3f, 0.2f, -1.0f})};
+    const scene::Camera camera = cameraAt({0.0f, 0.0f, 4.0f});
+    Settings settings = settingsFor(Shading::forward, {65, 65}); // odd: the centre pixel looks along -z
+    settings.msaa = 1;
+    const Picture picture = shoot(s, camera, settings);
+
+    shared::SurfaceReflectance surface;
+    surface.lobe = shared::makeLobe({0, 0, 1}, glm::vec3(1.0f / 50.0f, 0.0f, 1.0f / 50.0f));
+    surface.macroNormal = {0, 0, 1};
+    surface.specular = maps.specularConstant;
+    surface.diffuse = maps.diffuseConstant;
+    const glm::vec3 l = -s.scene.lights[0].direction;
+    const glm::vec3 sky(0.02f * 3.0f);
+    const glm::vec3 expected = shared::reflectLight(surface, l, {0, 0, 1}, glm::vec3(3.0f)) +
+                               shared::reflectAmbient(surface, sky, sky / 3.0f);
+    const float* pixel = picture.radiance.at(32, 32);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(pixel[c], expected[c], 0.003f * expected[c]) << "channel " << c;
+    const glm::vec3 shown = shared::displayColour({pixel[0], pixel[1], pixel[2]}, 1.0f);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(picture.display.at(32, 32)[c], shown[c], 0.6f / 255.0f) << "channel " << c;
+}
+
+TEST_F(FrameTest, TextureSpaceAndForwardAgreeWithTheReferenceOnSmoothSurfaces)
+{
+    const TestScene s = sphereScene(plainMaps());
+    const scene::Camera camera = cameraAt({0.5f, 0.5f, 3.5f});
+    const Picture truth = shoot(s, camera, settingsFor(Shading::reference));
+    const Picture tsl = shoot(s, camera, settingsFor(Shading::tsl));
+    const Picture forward = shoot(s, camera, settingsFor(Shading::forward));
+    EXPECT_GT(tsl.stats.objectsTsl, 0u);
+    EXPECT_EQ(forward.stats.objectsTsl, 0u);
+    EXPECT_GT(psnr(tsl.display, truth.display), 36.0);
+    EXPECT_GT(psnr(forward.display, truth.display), 36.0);
+}
+
+TEST_F(FrameTest, FarRoughSurfacesKeepTheReferencesBrightness)
+{
+    const TestScene s = sphereScene(bumpyMaps(512, 1.5f, 200.0f));
+    const scene::Camera camera = cameraAt({0.0f, 0.0f, 18.0f});
+    const auto mean = [](const Image& image) {
+        double sum = 0.0;
+        for (const float v : image.pixels)
+            sum += v;
+        return sum / double(image.pixels.size());
+    };
+    const Picture truth = shoot(s, camera, settingsFor(Shading::reference));
+    const Picture tsl = shoot(s, camera, settingsFor(Shading::tsl));
+    EXPECT_NEAR(mean(tsl.radiance) / mean(truth.radiance), 1.0, 0.05);
+    EXPECT_GT(psnr(tsl.display, truth.display), 35.0);
+}
+
+TEST_F(FrameTest, TheSameSceneGivesTheSameBits)
+{
+    const TestScene s = sphereScene(bumpyMaps(256, 1.0f, 100.0f));
+    const scene::Camera camera = cameraAt({1.0f, 0.5f, 3.0f});
+    for (const Shading shading : {Shading::tsl, Shading::forward}) {
+        const Picture first = shoot(s, camera, settingsFor(shading));
+        const Picture second = shoot(s, camera, settingsFor(shading));
+        EXPECT_EQ(first.radiance.pixels, second.radiance.pixels);
+    }
+}
+
+TEST_F(FrameTest, EverySurfacePixelIsLit)
+{
+    // White in a bright world: a hole, an unlit lumel or a black gutter would be far darker.
+    TestScene s = sphereScene(plainMaps(glm::vec3(0.9f)));
+    s.scene.lights = {sun({0, 0, -1}), sun({0, 0, 1}), sun({1, 0, 0}), sun({-1, 0, 0}), sun({0, -1, 0}), sun({0, 1, 0})};
+    for (const float distance : {1.5f, 3.0f, 10.0f, 60.0f}) {
+        const Picture tsl = shoot(s, cameraAt({0.0f, 0.3f * distance, distance}), settingsFor(Shading::tsl));
+        Settings mask = settingsFor(Shading::forward);
+        const Picture forward = shoot(s, cameraAt({0.0f, 0.3f * distance, distance}), mask);
+        for (size_t i = 0; i < tsl.radiance.pixels.size(); ++i)
+            ASSERT_NEAR(tsl.radiance.pixels[i], forward.radiance.pixels[i], 0.1f) << "distance " << distance;
+    }
+}
+
+TEST_F(FrameTest, AFacingQuadGetsTheAnalyticLevel)
+{
+    // 1024 lumels across two metres; at distance d the picture's 256 pixels span 2 d tan(fov / 2) metres.
+    TestScene s;
+    s.add(planeMesh(), bumpyMaps(1024, 1.0f, 100.0f));
+    s.scene.lights = {sun({0, 0, -1})};
+    for (int i = 0; i < 20; ++i) {
+        const float distance = 2.0f * std::pow(1.25f, float(i));
+        const float metresPerPixel = 2.0f * distance * std::tan(0.35f) / 256.0f;
+        const float level = std::max(0.0f, std::log2(512.0f * metresPerPixel));
+        Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl, {256, 256}));
+        const FrameStats stats = renderer.render(cameraAt({0.0f, 0.0f, distance}));
+        const auto side = size_t(1024) >> size_t(level);
+        const size_t tiles = (side + 7) / 8;
+        EXPECT_EQ(stats.lumelsLit, tiles * tiles * 64) << "distance " << distance << ", level " << level;
+    }
+}
+
+TEST_F(FrameTest, HiddenAndOffScreenObjectsAreNotLit)
+{
+    TestScene s;
+    s.add(planeMesh(), plainMaps());
+    s.add(planeMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(0, 0, -1)));   // hidden
+    s.add(planeMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(100, 0, 0)));  // off screen
+    s.add(planeMesh(), plainMaps(),
+          glm::rotate(glm::mat4(1.0f), shared::kPi, glm::vec3(0, 1, 0)) *
+              glm::translate(glm::mat4(1.0f), glm::vec3(0, 0, -0.5f)) * glm::scale(glm::mat4(1.0f), glm::vec3(0.2f)));
+    s.scene.lights = {sun({0, 0, -1})};
+    const Picture picture = shoot(s, cameraAt({0.0f, 0.0f, 5.0f}), settingsFor(Shading::tsl));
+    EXPECT_EQ(picture.stats.objectsTsl, 1u);
+    EXPECT_EQ(picture.stats.objectsCulled, 1u);
+}
+
+TEST_F(FrameTest, ASmallPoolLowersQualityAndNothingElse)
+{
+    TestScene s;
+    for (int i = 0; i < 60; ++i)
+        s.add(planeMesh(), plainMaps(glm::vec3(0.8f)),
+              glm::translate(glm::mat4(1.0f), glm::vec3(2.2f * float(i % 10) - 10.0f, 2.2f * float(i / 10) - 5.5f, 0)));
+    s.scene.lights = {sun({0, 0, -1})};
+    Settings settings = settingsFor(Shading::tsl, {320, 180});
+    const scene::Camera camera = cameraAt({0.0f, 0.0f, 18.0f});
+    const Picture rich = shoot(s, camera, settings);
+    settings.poolBytes = size_t(1) << 20;
+    const Picture poor = shoot(s, camera, settings);
+    EXPECT_EQ(rich.stats.levelBias, 0u);
+    EXPECT_GT(poor.stats.levelBias, 0u);
+    EXPECT_LE(poor.stats.poolUsedBytes, settings.poolBytes);
+    EXPECT_EQ(poor.stats.objectsTsl, rich.stats.objectsTsl);
+    EXPECT_GT(psnr(poor.display, rich.display), 35.0);
+}
+
+TEST_F(FrameTest, OverlappingUvsAreDrawnForward)
+{
+    TestScene s;
+    scene::Mesh mesh = planeMesh();
+    mesh.uvProblem = "UVs overlap by 50 %";
+    s.add(mesh, plainMaps());
+    s.scene.lights = {sun({0, 0, -1})};
+    const Picture picture = shoot(s, cameraAt({0.0f, 0.0f, 4.0f}), settingsFor(Shading::tsl));
+    EXPECT_EQ(picture.stats.objectsTsl, 0u);
+    EXPECT_EQ(picture.stats.objectsForward, 1u);
+    EXPECT_GT(picture.radiance.at(80, 45)[0], 0.05f);
+}
+
+TEST_F(FrameTest, ManyFramesReuseTheSameTextures)
+{
+    const TestScene s = sphereScene(plainMaps());
+    Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
+    size_t textures = 0;
+    for (int i = 0; i < 20; ++i) {
+        const float angle = 0.1f * float(i);
+        const FrameStats stats = renderer.render(cameraAt({4.0f * std::sin(angle), 0.0f, 4.0f * std::cos(angle)}));
+        EXPECT_LE(stats.poolUsedBytes, stats.poolCapBytes);
+        textures = std::max(textures, stats.poolTextures);
+    }
+    EXPECT_LE(textures, 2u); // the level may flip once between two size classes
+}

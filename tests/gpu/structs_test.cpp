@@ -1,0 +1,139 @@
+// The structs that C++ and GLSL share lie the same way in both: offsetof against the SPIR-V decorations.
+#include "gpu/pipeline.h"
+#include "shared/structs.h"
+#include <gtest/gtest.h>
+#include <map>
+
+using namespace lumel;
+
+namespace {
+
+enum SpirvOp : uint32_t { OpName = 5, OpMemberName = 6, OpTypeRuntimeArray = 29, OpDecorate = 71, OpMemberDecorate = 72 };
+enum SpirvDecoration : uint32_t { ArrayStride = 6, Offset = 35 };
+
+struct SpirvLayout {
+    std::map<std::string, std::map<std::string, uint32_t>> offsets; // struct, member
+    std::map<std::string, uint32_t> strides;                        // struct, as element of a runtime array
+};
+
+// SPIR-V specification, section 3: words of (length << 16 | opcode) after a five-word header. A struct may appear
+// several times (once per storage use); only laid-out copies carry offsets.
+void readLayout(std::span<const uint32_t> code, SpirvLayout& layout)
+{
+    std::map<uint32_t, std::string> names;
+    std::map<uint32_t, std::map<uint32_t, std::string>> memberNames;
+    std::map<uint32_t, std::map<uint32_t, uint32_t>> memberOffsets;
+    std::map<uint32_t, uint32_t> strides, elements;
+    for (size_t at = 5; at < code.size(); at += code[at] >> 16) {
+        const uint32_t* word = code.data() + at;
+        const auto text = [&](size_t from) { return std::string(reinterpret_cast<const char*>(word + from)); };
+        switch (word[0] & 0xffffu) {
+        case OpName: names[word[1]] = text(2); break;
+        case OpMemberName: memberNames[word[1]][word[2]] = text(3); break;
+        case OpMemberDecorate:
+            if (word[3] == Offset)
+                memberOffsets[word[1]][word[2]] = word[4];
+            break;
+        case OpDecorate:
+            if (word[2] == ArrayStride)
+                strides[word[1]] = word[3];
+            break;
+        case OpTypeRuntimeArray: elements[word[1]] = word[2]; break;
+        default: break;
+        }
+    }
+    for (const auto& [id, members] : memberOffsets)
+        for (const auto& [member, offset] : members)
+            layout.offsets[names[id]][memberNames[id][member]] = offset;
+    for (const auto& [array, element] : elements)
+        if (strides.contains(array))
+            layout.strides[names[element]] = strides[array];
+}
+
+const SpirvLayout& spirvLayout()
+{
+    static const SpirvLayout layout = [] {
+        SpirvLayout result;
+        for (const std::string& name : gpu::shaderNames())
+            readLayout(gpu::shaderCode(name), result);
+        return result;
+    }();
+    return layout;
+}
+
+} // namespace
+
+#define EXPECT_OFFSET(type, member)                                                                                    \
+    do {                                                                                                               \
+        const auto& members = spirvLayout().offsets.at(#type);                                                         \
+        ASSERT_TRUE(members.contains(#member)) << #type "." #member;                                                   \
+        EXPECT_EQ(members.at(#member), offsetof(shared::type, member)) << #type "." #member;                           \
+    } while (false)
+
+TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
+{
+    EXPECT_OFFSET(Vertex, position);
+    EXPECT_OFFSET(Vertex, normal);
+    EXPECT_OFFSET(Vertex, tangent);
+    EXPECT_OFFSET(Vertex, uv);
+    EXPECT_OFFSET(Light, position);
+    EXPECT_OFFSET(Light, type);
+    EXPECT_OFFSET(Light, direction);
+    EXPECT_OFFSET(Light, inverseRange);
+    EXPECT_OFFSET(Light, intensity);
+    EXPECT_OFFSET(Light, coneScale);
+    EXPECT_OFFSET(Light, coneOffset);
+    EXPECT_OFFSET(View, clipFromWorld);
+    EXPECT_OFFSET(View, eyeInWorld);
+    EXPECT_OFFSET(View, lightCount);
+    EXPECT_OFFSET(View, skyRadiance);
+    EXPECT_OFFSET(View, exposure);
+    EXPECT_OFFSET(View, groundRadiance);
+    EXPECT_OFFSET(View, anisotropy);
+    EXPECT_OFFSET(View, sizePixels);
+    EXPECT_OFFSET(View, lights);
+    EXPECT_OFFSET(View, objects);
+    EXPECT_OFFSET(Object, worldFromObject);
+    EXPECT_OFFSET(Object, worldFromObjectNormal);
+    EXPECT_OFFSET(Object, vertices);
+    EXPECT_OFFSET(Object, indices);
+    EXPECT_OFFSET(Object, texels);
+    EXPECT_OFFSET(Object, texelOffsets);
+    EXPECT_OFFSET(Object, litSize);
+    EXPECT_OFFSET(Object, materialLevelOffset);
+    EXPECT_OFFSET(Object, flags);
+    EXPECT_OFFSET(Object, alphaCutoff);
+    EXPECT_OFFSET(Object, layer);
+    EXPECT_OFFSET(Object, litLevel);
+    EXPECT_OFFSET(Tile, object);
+    EXPECT_OFFSET(Tile, x);
+    EXPECT_OFFSET(Tile, y);
+    EXPECT_OFFSET(Need, level);
+    EXPECT_OFFSET(Need, samples);
+    EXPECT_OFFSET(NeedPush, view);
+    EXPECT_OFFSET(NeedPush, needs);
+    EXPECT_OFFSET(NeedPush, jitter);
+    EXPECT_OFFSET(NeedPush, divisor);
+    EXPECT_OFFSET(NeedPush, object);
+    EXPECT_OFFSET(NeedPush, size);
+    EXPECT_OFFSET(LightPush, view);
+    EXPECT_OFFSET(LightPush, tiles);
+    EXPECT_OFFSET(LightPush, mip);
+    EXPECT_OFFSET(DrawPush, view);
+    EXPECT_OFFSET(DrawPush, object);
+    EXPECT_OFFSET(DrawPush, filterKind);
+    EXPECT_OFFSET(DrawPush, level);
+    EXPECT_OFFSET(DisplayPush, view);
+    EXPECT_OFFSET(DisplayPush, weight);
+    EXPECT_OFFSET(DisplayPush, encode);
+}
+
+TEST(SharedStructs, ArrayStridesEqualTheSizes)
+{
+    const auto& strides = spirvLayout().strides;
+    EXPECT_EQ(strides.at("Vertex"), sizeof(shared::Vertex));
+    EXPECT_EQ(strides.at("Light"), sizeof(shared::Light));
+    EXPECT_EQ(strides.at("Object"), sizeof(shared::Object));
+    EXPECT_EQ(strides.at("Tile"), sizeof(shared::Tile));
+    EXPECT_EQ(strides.at("Need"), sizeof(shared::Need));
+}

@@ -1,0 +1,118 @@
+#include "test_scene.h"
+#include "core/compare.h"
+#include <random>
+
+namespace lumel::test {
+
+const gpu::Device& device()
+{
+    static const gpu::Device instance({.device = "", .validation = true});
+    return instance;
+}
+
+namespace {
+
+scene::Mesh gridMesh(int rows, int columns, const std::function<shared::Vertex(glm::vec2)>& vertexAt)
+{
+    scene::Mesh mesh;
+    mesh.name = "grid";
+    for (int y = 0; y <= rows; ++y)
+        for (int x = 0; x <= columns; ++x) {
+            mesh.vertices.push_back(vertexAt({float(x) / float(columns), float(y) / float(rows)}));
+            mesh.bounds.add(mesh.vertices.back().position);
+        }
+    for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x) {
+            const auto a = uint32_t(y * (columns + 1) + x), b = a + 1, c = a + uint32_t(columns) + 1, d = c + 1;
+            for (const uint32_t i : {a, c, d, a, d, b})
+                mesh.indices.push_back(i);
+        }
+    return mesh;
+}
+
+} // namespace
+
+scene::Mesh planeMesh(int cells)
+{
+    return gridMesh(cells, cells, [](glm::vec2 uv) {
+        return shared::Vertex{.position = {2.0f * uv.x - 1.0f, 1.0f - 2.0f * uv.y, 0.0f},
+                              .normal = {0, 0, 1},
+                              .tangent = {1, 0, 0, 1},
+                              .uv = uv};
+    });
+}
+
+scene::Mesh sphereMesh(int rows, int columns)
+{
+    return gridMesh(rows, columns, [](glm::vec2 uv) {
+        const float phi = 2.0f * shared::kPi * uv.x, theta = shared::kPi * uv.y;
+        const glm::vec3 n(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi));
+        return shared::Vertex{
+            .position = n, .normal = n, .tangent = {std::cos(phi), 0.0f, -std::sin(phi), 1.0f}, .uv = uv};
+    });
+}
+
+void TestScene::add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& worldFromObject)
+{
+    for (const auto& vertex : mesh.vertices)
+        scene.bounds.add(glm::vec3(worldFromObject * glm::vec4(vertex.position, 1.0f)));
+    scene.objects.push_back({.name = "object",
+                             .mesh = int(scene.meshes.size()),
+                             .material = int(scene.materials.size()),
+                             .worldFromObject = worldFromObject});
+    scene.meshes.push_back(std::move(mesh));
+    scene.materials.emplace_back();
+    scene::BakedMaterial baked;
+    baked.reflectance = baker::bake(maps, {.model = baker::Model::blinnPhong});
+    baked.glow.emplace_back(1, 1, 4);
+    baked.glow.front().pixels = {0.0f, 0.0f, 0.0f, 1.0f};
+    materials.push_back(std::move(baked));
+}
+
+baker::Maps plainMaps(glm::vec3 diffuse, float power)
+{
+    baker::Maps maps;
+    maps.normal = Image(1, 1, 3);
+    maps.normal.pixels = {0.5f, 0.5f, 1.0f};
+    maps.powerConstant = power;
+    maps.diffuseConstant = diffuse;
+    return maps;
+}
+
+baker::Maps bumpyMaps(int size, float scale, float power)
+{
+    std::mt19937 random(7);
+    baker::Maps maps;
+    maps.height = Image(size, size, 1);
+    for (float& h : maps.height.pixels)
+        h = float(random() % 65536) / 65536.0f;
+    maps.heightScale = scale / float(size);
+    maps.powerConstant = power;
+    maps.diffuseConstant = glm::vec3(0.3f);
+    maps.specularConstant = glm::vec3(0.2f);
+    return maps;
+}
+
+scene::Camera cameraAt(glm::vec3 eye, glm::vec3 target, float yFov)
+{
+    scene::Camera camera;
+    camera.eye = eye;
+    camera.target = target;
+    camera.yFov = yFov;
+    return camera;
+}
+
+scene::Light sun(glm::vec3 direction, float lux)
+{
+    scene::Light light;
+    light.direction = glm::normalize(direction);
+    light.intensity = lux;
+    return light;
+}
+
+double psnr(const Image& a, const Image& b)
+{
+    return compareImages(a, b).psnr;
+}
+
+} // namespace lumel::test

@@ -1,0 +1,34 @@
+// Small scenes made in code, and one device with validation on for all GPU tests.
+#pragma once
+#include "frame.h"
+#include <gtest/gtest.h>
+
+namespace lumel::test {
+
+// Shared by all tests: a device costs a second on software Vulkan.
+const gpu::Device& device();
+
+// Grid of quads in the plane z = 0, [-1, 1]^2, facing +z; uv (0, 0) at the upper left.
+scene::Mesh planeMesh(int cells = 1);
+// Unit sphere by latitude and longitude, unique UVs.
+scene::Mesh sphereMesh(int rows = 24, int columns = 48);
+
+struct TestScene {
+    scene::Scene scene;
+    std::vector<scene::BakedMaterial> materials;
+
+    // Bakes `maps` and adds the mesh as an object of that material.
+    void add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& worldFromObject = glm::mat4(1.0f));
+};
+
+// Matte with a broad highlight, no maps.
+baker::Maps plainMaps(glm::vec3 diffuse = glm::vec3(0.5f), float power = 20.0f);
+// Random bumps, `size` texels square.
+baker::Maps bumpyMaps(int size, float scale, float power);
+
+scene::Camera cameraAt(glm::vec3 eye, glm::vec3 target = glm::vec3(0.0f), float yFov = 0.7f);
+scene::Light sun(glm::vec3 direction, float lux = 3.0f);
+
+double psnr(const Image& a, const Image& b);
+
+} // namespace lumel::test
