@@ -1,0 +1,15 @@
+// Small inputs made on the spot.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+namespace lumel::cli {
+
+// An uneven relief as an 8-bit PNG.
+void writeHeightMap(const std::filesystem::path& file, int width, int height);
+
+// One textured square, 2 m wide, facing +Z, with its buffer beside it (<stem>.bin)..
+nlohmann::json squareScene(const std::filesystem::path& gltf);
+void writeScene(const std::filesystem::path& gltf, const nlohmann::json& document);
+
+} // namespace lumel::cli

@@ -1,0 +1,145 @@
+#include "core/image.h"
+#include "inputs.h"
+#include "program.h"
+#include <algorithm>
+
+namespace lumel::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Shot : public Program {};
+
+TEST_F(Shot, MissingSceneFails)
+{
+    expectOneLine(run({"shot", "nowhere.gltf", "-o", "out.png"}), 1, "nowhere.gltf");
+}
+
+TEST_F(Shot, TextFileNamedGlbFails)
+{
+    writeText(folder_ / "poem.glb", "Roses are red, this is no scene.\n");
+    expectOneLine(run({"shot", "poem.glb", "-o", "out.png"}), 1, "poem.glb");
+    writeText(folder_ / "poem.gltf", "Roses are red, this is no scene.\n");
+    expectOneLine(run({"shot", "poem.gltf", "-o", "out.png"}), 1, "poem.gltf");
+    EXPECT_FALSE(fs::exists(folder_ / "out.png"));
+}
+
+TEST_F(Shot, AccessorBeyondItsBufferFails)
+{
+    auto document = squareScene(folder_ / "square.gltf");
+    document["accessors"][0]["count"] = 1000;
+    writeScene(folder_ / "square.gltf", document);
+    expectOneLine(run({"shot", "square.gltf", "-o", "out.png"}), 1, "square.gltf");
+    EXPECT_FALSE(fs::exists(folder_ / "out.png"));
+}
+
+TEST_F(Shot, AccessorThatDoesNotExistFails)
+{
+    auto document = squareScene(folder_ / "square.gltf");
+    document["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 7;
+    writeScene(folder_ / "square.gltf", document);
+    expectOneLine(run({"shot", "square.gltf", "-o", "out.png"}), 1, "square.gltf");
+}
+
+TEST_F(Shot, MissingBufferFails)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    fs::remove(folder_ / "square.bin");
+    expectOneLine(run({"shot", "square.gltf", "-o", "out.png"}), 1, "square.bin");
+}
+
+TEST_F(Shot, UnknownCameraAndFormatFail)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    expectOneLine(run({"shot", "square.gltf", "--camera", "backstage", "-o", "out.png"}), 1, "backstage");
+    expectOneLine(run({"shot", "square.gltf", "-o", "out.docx"}), 1, "out.docx");
+}
+
+TEST_F(Shot, UsageErrorsExitWithTwo)
+{
+    expectOneLine(run({"shot", "a.gltf", "--frobnicate", "-o", "out.png"}), 2, "--frobnicate");
+    expectOneLine(run({"shot", "a.gltf", "--size", "big", "-o", "out.png"}), 2, "--size");
+    expectOneLine(run({"shot", "a.gltf", "--shading", "magic", "-o", "out.png"}), 2, "--shading");
+    expectOneLine(run({"shot", "a.gltf"}), 2, "--output");
+    expectOneLine(run({"shot", "-o", "out.png"}), 2, "scene");
+}
+
+TEST_F(Shot, TwoIdenticalShotsAreTheSameBytes)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    for (const std::string shading : {"tsl", "forward", "reference"}) {
+        const auto shoot = [&](const std::string& out) {
+            const Outcome outcome = run({"shot", "square.gltf", "--size", "160x90", "--shading", shading,
+                                         "--samples", "4", "-o", out});
+            EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+            EXPECT_NE(outcome.out.find(out), std::string::npos);
+            return readText(folder_ / out);
+        };
+        const std::string first = shoot(shading + "-1.png");
+        ASSERT_FALSE(first.empty());
+        EXPECT_TRUE(first == shoot(shading + "-2.png")) << shading;
+        const Image image = readImage(folder_ / (shading + "-1.png"));
+        EXPECT_EQ(image.width, 160);
+        EXPECT_EQ(image.height, 90);
+        const auto [darkest, brightest] = std::minmax_element(image.pixels.begin(), image.pixels.end());
+        EXPECT_GT(*brightest - *darkest, 0.1f) << "nothing was drawn";
+    }
+}
+
+TEST_F(Shot, ExrHoldsRadiance)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    const Outcome outcome = run({"shot", "square.gltf", "--size", "64x64", "-o", "out.exr"});
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.err;
+    const Image image = readImage(folder_ / "out.exr");
+    EXPECT_EQ(image.width, 64);
+    EXPECT_GE(image.channels, 3);
+}
+
+class Help : public Program {};
+
+TEST_F(Help, ListsTheCommandsOnStdout)
+{
+    for (const char* way : {"help", "--help"}) {
+        const Outcome outcome = run({way});
+        EXPECT_EQ(outcome.exitCode, 0);
+        EXPECT_EQ(outcome.err, "");
+        for (const char* command : {"bake", "shot", "compare"})
+            EXPECT_NE(outcome.out.find(command), std::string::npos) << way << " lacks " << command;
+    }
+    const Outcome shot = run({"shot", "--help"});
+    EXPECT_EQ(shot.exitCode, 0);
+    EXPECT_NE(shot.out.find("--shading"), std::string::npos);
+}
+
+TEST_F(Help, NoOrUnknownCommandIsAUsageError)
+{
+    EXPECT_EQ(run({}).exitCode, 2);
+    const Outcome outcome = run({"frobnicate"});
+    expectOneLine(outcome, 2, "lumel");
+}
+
+class Compare : public Program {};
+
+TEST_F(Compare, TellsEqualFromDifferent)
+{
+    writeHeightMap(folder_ / "a.png", 40, 30);
+    fs::copy_file(folder_ / "a.png", folder_ / "same.png");
+    writeHeightMap(folder_ / "wide.png", 50, 30);
+    Image shifted = readImage(folder_ / "a.png");
+    for (float& value : shifted.pixels)
+        value = std::min(1.0f, value + 0.2f);
+    writeImage(folder_ / "b.png", shifted);
+
+    EXPECT_EQ(run({"compare", "a.png", "same.png", "--psnr-min", "90"}).exitCode, 0);
+    const Outcome different = run({"compare", "a.png", "b.png", "-o", "diff.png"});
+    EXPECT_EQ(different.exitCode, 0) << different.err;
+    EXPECT_NE(different.out.find("psnr"), std::string::npos);
+    EXPECT_TRUE(fs::exists(folder_ / "diff.png"));
+    EXPECT_EQ(run({"compare", "a.png", "b.png", "--psnr-min", "30"}).exitCode, 1);
+    expectOneLine(run({"compare", "a.png", "wide.png"}), 1, "wide.png");
+    expectOneLine(run({"compare", "a.png", "nowhere.png"}), 1, "nowhere.png");
+}
+
+} // namespace
+} // namespace lumel::cli
