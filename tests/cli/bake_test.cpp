@@ -94,9 +94,10 @@ TEST_F(Bake, WritesEveryLevelAsTheFormatSays)
         EXPECT_GT(spec.tile_width, 0);
         EXPECT_EQ(spec.format, OIIO::TypeDesc(OIIO::TypeDesc::HALF));
         EXPECT_EQ(std::set<std::string>(spec.channelnames.begin(), spec.channelnames.end()), channels);
-        if (level == 0)
+        if (level == 0) {
             for (const char* name : {"lumel:model", "lumel:method", "lumel:version", "lumel:source"})
                 EXPECT_NE(spec.get_string_attribute(name), "") << name;
+        }
     }
     EXPECT_EQ(level, 7);
 }
