@@ -181,7 +181,7 @@ void addCamerasAndLights(GltfWriter& gltf)
 {
     gltf.addCamera("default", {0.10f, 0.30f, 0.40f}, {0.0f, 0.005f, 0.012f}, 38.0f, 0.02f);
     gltf.addCamera("near", {0.085f, 0.062f, 0.165f}, {0.035f, 0.020f, 0.055f}, 34.0f, 0.005f);
-    gltf.addCamera("far", {0.75f, 1.75f, 2.6f}, {0.0f, 0.0f, 0.0f}, 20.0f, 0.05f);
+    gltf.addCamera("far", {0.75f, 1.75f, 2.6f}, {0.36f, -0.05f, 0.05f}, 20.0f, 0.05f);
     // From behind, so that the half vectors lean far enough over for the groove walls to catch them; two
     // azimuths make two hourglasses, warm and cool.
     gltf.addDirectional("key", {-0.55f, 1.0f, -0.62f}, {1.0f, 0.90f, 0.76f}, 5.0f);
