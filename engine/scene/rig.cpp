@@ -33,8 +33,9 @@ Camera frameBounds(const Bounds& bounds, float aspect)
     return camera;
 }
 
-// Tuned on a white diffuse ball (Kd = 1): with Lo = Ei / pi Kd cos, the brightest point facing the camera
-// reaches a radiance of about 0.8, its dark side 0.1, and the rim a line as bright as the key.
+// Tuned on a white diffuse ball (Kd = 1): with Lo = Ei / pi Kd cos, its brightest point, where the key
+// falls straight on it, reaches a radiance of 0.8, its shaded side 0.2, and the edge that the rim light
+// finds 0.8 again. The rim stands low, or it would add to the key on everything that faces upwards.
 std::vector<Light> threeLightRig()
 {
     const auto light = [](const char* name, glm::vec3 from, glm::vec3 colour, float lux) {
@@ -46,9 +47,9 @@ std::vector<Light> threeLightRig()
         return result;
     };
     return {
-        light("key", {0.8f, 1.0f, 0.8f}, {1.0f, 0.94f, 0.84f}, 2.35f),
-        light("fill", {-1.0f, 0.2f, 0.8f}, {0.78f, 0.88f, 1.0f}, 0.6f),
-        light("rim", {-0.6f, 0.7f, -1.0f}, {0.95f, 0.97f, 1.0f}, 2.4f),
+        light("key", {0.85f, 0.9f, 0.95f}, {1.0f, 0.94f, 0.84f}, 2.65f),
+        light("fill", {-1.0f, -0.1f, 0.7f}, {0.78f, 0.88f, 1.0f}, 0.75f),
+        light("rim", {-0.65f, 0.35f, -1.0f}, {0.95f, 0.97f, 1.0f}, 2.5f),
     };
 }
 

@@ -1,10 +1,11 @@
-// A grid tells which triangles are near each other. Of each triangle, whatever meets its interior is cut
-// out: first the triangles before it, which leaves its share of the covered area, then those after it,
+// A tree of boxes tells which triangles are near each other. Of each triangle, whatever meets its interior is
+// cut out: first the triangles before it, which leaves its share of the covered area, then those after it,
 // which leaves what only it covers. The difference, summed up, is covered twice or more, exactly and
 // for any number of layers.
 #include "uv_check.h"
 #include <array>
 #include <fmt/format.h>
+#include <numeric>
 
 namespace lumel::scene {
 namespace {
@@ -24,9 +25,9 @@ constexpr double kTouchDepth = 0.25 / 4096.0;
 constexpr double kTouchFraction = 0.05;
 constexpr double kToleratedArea = 64.0 / (4096.0 * 4096.0);
 
-// Pairs and pieces looked at before giving up: about a second. Meshes take some 50 a triangle; only
+// Boxes, pairs and pieces looked at before giving up: about a second. Meshes take some 70 a triangle; only
 // thousands of triangles through one spot come here, and they overlap.
-constexpr size_t kMaxWork = 60'000'000;
+constexpr size_t kMaxWork = 100'000'000;
 
 struct Triangle {
     std::array<Vec2, 3> p; // counter-clockwise
@@ -165,53 +166,80 @@ Cut cutOut(const std::vector<Triangle>& triangles, int index, std::vector<int>& 
     return cut;
 }
 
-// Buckets of triangles by the cells of a square grid over [0, 1]^2 that their bounding boxes touch.
-class Grid {
+// A tree of boxes over the triangles, halved at the median of the longer axis: unlike a grid it does not
+// mind charts that are a thousand times finer than others.
+class BoxTree {
 public:
-    explicit Grid(const std::vector<Triangle>& triangles)
+    explicit BoxTree(const std::vector<Triangle>& triangles) : triangles_(triangles), order_(triangles.size())
     {
-        // One cell a triangle, but coarser where long triangles would fill memory.
-        size_ = std::clamp(int(std::sqrt(double(triangles.size()))), 1, 2048);
-        while (size_ > 1 && entriesNeeded(triangles) > 16 * triangles.size() + (size_t(1) << 20))
-            size_ /= 2;
-        heads_.assign(size_t(size_) * size_t(size_), -1);
-        for (size_t i = 0; i < triangles.size(); ++i)
-            forCells(triangles[i], [&](int& head) {
-                entries_.push_back({int(i), head});
-                head = int(entries_.size()) - 1;
-            });
+        std::iota(order_.begin(), order_.end(), 0);
+        if (!order_.empty())
+            build(0, int(order_.size()));
     }
 
-    // Calls visit(cell's first entry) for each cell that the triangle's box touches.
+    // Calls visit(triangle) for those whose box meets the given one's interior. Returns the steps taken.
     template<class Visit>
-    void forCells(const Triangle& t, const Visit& visit)
+    size_t query(Vec2 lower, Vec2 upper, const Visit& visit)
     {
-        for (int y = cell(t.lower.y); y <= cell(t.upper.y); ++y)
-            for (int x = cell(t.lower.x); x <= cell(t.upper.x); ++x)
-                visit(heads_[size_t(y) * size_t(size_) + size_t(x)]);
+        size_t steps = 0;
+        stack_.assign(nodes_.empty() ? 0 : 1, 0);
+        while (!stack_.empty()) {
+            const Node& node = nodes_[size_t(stack_.back())];
+            stack_.pop_back();
+            ++steps;
+            if (node.lower.x >= upper.x || node.upper.x <= lower.x || node.lower.y >= upper.y ||
+                node.upper.y <= lower.y)
+                continue;
+            if (node.right > 0) {
+                stack_.push_back(node.right);
+                stack_.push_back(int(&node - nodes_.data()) + 1);
+                continue;
+            }
+            for (int i = node.begin; i < node.end; ++i, ++steps)
+                visit(order_[size_t(i)]);
+        }
+        return steps;
     }
-
-    struct Entry {
-        int triangle;
-        int next;
-    };
-    const Entry& entry(int index) const { return entries_[size_t(index)]; }
 
 private:
-    int cell(double x) const { return std::clamp(int(x * size_), 0, size_ - 1); }
+    struct Node {
+        Vec2 lower{1e30}, upper{-1e30};
+        int begin, end;
+        int right = 0; // the left child follows its parent; 0: a leaf
+    };
+    static constexpr int kLeafSize = 4;
 
-    size_t entriesNeeded(const std::vector<Triangle>& triangles) const
+    int build(int begin, int end) // recurses log2(n) deep
     {
-        size_t sum = 0;
-        for (const Triangle& t : triangles)
-            sum +=
-                size_t(cell(t.upper.x) - cell(t.lower.x) + 1) * size_t(cell(t.upper.y) - cell(t.lower.y) + 1);
-        return sum;
+        const size_t index = nodes_.size();
+        nodes_.push_back({.begin = begin, .end = end});
+        Vec2 lower(1e30), upper(-1e30);
+        for (int i = begin; i < end; ++i) {
+            const Triangle& t = triangles_[size_t(order_[size_t(i)])];
+            lower = glm::min(lower, t.lower);
+            upper = glm::max(upper, t.upper);
+        }
+        nodes_[index].lower = lower;
+        nodes_[index].upper = upper;
+        if (end - begin <= kLeafSize)
+            return int(index);
+        const int axis = upper.x - lower.x > upper.y - lower.y ? 0 : 1;
+        const int middle = begin + (end - begin) / 2;
+        std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                         [&](int a, int b) {
+                             const Triangle &ta = triangles_[size_t(a)], &tb = triangles_[size_t(b)];
+                             return ta.lower[axis] + ta.upper[axis] < tb.lower[axis] + tb.upper[axis];
+                         });
+        build(begin, middle);
+        const int right = build(middle, end);
+        nodes_[index].right = right;
+        return int(index);
     }
 
-    int size_ = 1;
-    std::vector<int> heads_;
-    std::vector<Entry> entries_;
+    const std::vector<Triangle>& triangles_;
+    std::vector<int> order_;
+    std::vector<Node> nodes_;
+    std::vector<int> stack_;
 };
 
 } // namespace
@@ -219,23 +247,16 @@ private:
 UvOverlap findUvOverlap(const Mesh& mesh)
 {
     const std::vector<Triangle> triangles = trianglesOf(mesh);
-    Grid grid(triangles);
-    std::vector<int> visited(triangles.size(), -1); // the last triangle that looked at this one
-    std::vector<int> meeting;                       // the ones whose interior meets the current one's
+    BoxTree tree(triangles);
+    std::vector<int> meeting; // the ones whose interior meets the current one's
     UvOverlap result;
     size_t work = 0;
     for (int i = 0; i < int(triangles.size()) && work <= kMaxWork; ++i) {
         const Triangle& t = triangles[size_t(i)];
         meeting.clear();
-        grid.forCells(t, [&](int head) {
-            for (; head >= 0 && work <= kMaxWork; head = grid.entry(head).next, ++work) {
-                const int other = grid.entry(head).triangle;
-                if (other == i || visited[size_t(other)] == i)
-                    continue;
-                visited[size_t(other)] = i;
-                if (interiorsMeet(t, triangles[size_t(other)]))
-                    meeting.push_back(other);
-            }
+        work += tree.query(t.lower, t.upper, [&](int other) {
+            if (other != i && interiorsMeet(t, triangles[size_t(other)]))
+                meeting.push_back(other);
         });
         const Cut cut = cutOut(triangles, i, meeting, work);
         result.covered += cut.first;
