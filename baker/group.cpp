@@ -137,6 +137,7 @@ void Group::weighNodes()
 {
     energy_.fill(0.0f);
     std::array<double, kMaxLanes> energy{};
+    std::array<float, kMaxLanes> highest{};
     for (size_t k = 0; k < nodes_; ++k)
         for (int lane = 0; lane < lanes(); ++lane) {
             const float g = coloured_
@@ -145,6 +146,11 @@ void Group::weighNodes()
             const float w = area_.at(k, lane) * g;
             weight_.at(k, lane) = w;
             energy[size_t(lane)] += double(w) * g;
+            if (g > highest[size_t(lane)]) { // the peak of G, as a guess
+                highest[size_t(lane)] = g;
+                peaks_[size_t(lane)].nx = x_.at(k, lane);
+                peaks_[size_t(lane)].ny = y_.at(k, lane);
+            }
         }
     for (int lane = 0; lane < lanes(); ++lane) {
         energy_[size_t(lane)] = std::max(float(energy[size_t(lane)]), 1e-30f);
@@ -152,6 +158,9 @@ void Group::weighNodes()
         // No fit needs to be narrower than the narrowest lobe it stands for; a little room for the
         // minimiser to cross on its way.
         const double widest = std::max(1.1, 1.1 * mean.maxPower) - 1.0;
+        const float s = float(1.0 / std::max(1.0, mean.energyPower / std::max(mean.energy, 1e-9)));
+        Shape& peak = peaks_[size_t(lane)];
+        peak = {peak.nx, peak.ny, s, 0.0f, s};
         maxLog_[size_t(lane)] = float(0.5 * std::log(std::max(widest, 0.02)));
     }
 }
@@ -177,55 +186,35 @@ void Group::evaluateShape(const Shape* shapes, float* overlap, float* norm)
     kernels_.evaluate(p, unknowns_.data(), overlap, norm, nullptr);
 }
 
-void Group::consider(const Shape* shapes, bool keepOnlyBetter)
+void Group::consider(const Shape* shapes, float* errors)
 {
     alignas(64) float overlap[kMaxLanes], norm[kMaxLanes];
     evaluateShape(shapes, overlap, norm);
     for (size_t lane = 0; lane < size_t(count_); ++lane) {
         const float error = 1.0f - overlap[lane] * overlap[lane] / (energy_[lane] * norm[lane]);
-        if (!keepOnlyBetter || error < bestError_[lane]) {
+        if (errors)
+            errors[lane] = error;
+        if (error < bestError_[lane]) {
             best_[lane] = shapes[lane];
             bestError_[lane] = error;
         }
     }
 }
 
-void Group::improve(bool isotropic)
+void Group::minimiseFrom(const Shape* starts, bool isotropic)
 {
-    for (int lane = 0; lane < lanes(); ++lane)
+    for (int lane = 0; lane < lanes(); ++lane) {
+        const Shape& start = starts[lane < count_ ? lane : 0];
         // A lobe at the lowest power starts a little above it: there the gradient is alive.
-        toUnknowns(best_[size_t(lane < count_ ? lane : 0)], maxLog_[size_t(lane)], 0.02, unknowns_, lane);
+        toUnknowns(isotropic ? isotropicShape(start) : start, maxLog_[size_t(lane)], 0.02, unknowns_, lane);
+    }
     alignas(64) float error[kMaxLanes];
     const FitProblem p = problem(isotropic);
     kernels_.minimise(p, unknowns_.data(), error);
     std::array<Shape, kMaxLanes> shapes;
     for (int lane = 0; lane < count_; ++lane)
         shapes[size_t(lane)] = fromUnknowns(unknowns_, lane);
-    consider(shapes.data(), true);
-}
-
-void Group::fit()
-{
-    const bool isotropic = options_.model == Model::blinnPhong;
-    std::array<Shape, kMaxLanes> shapes;
-    bool first = true;
-    const auto candidate = [&](const auto& shapeOf) {
-        for (size_t lane = 0; lane < size_t(count_); ++lane) {
-            shapes[lane] = shapeOf(tasks_[lane]);
-            if (isotropic)
-                shapes[lane] = isotropicShape(shapes[lane]);
-        }
-        consider(shapes.data(), !first);
-        first = false;
-    };
-    candidate([](const TexelTask& t) { return leanShape(t.mean); });
-    candidate([](const TexelTask& t) { return toksvigShape(t.mean); });
-    candidate([](const TexelTask& t) { return averageShape(t.mean); });
-    for (size_t i = 0; i < 4; ++i)
-        candidate([&](const TexelTask& t) {
-            return t.childCount > 0 ? t.children[i % size_t(t.childCount)] : averageShape(t.mean);
-        });
-    improve(isotropic);
+    consider(shapes.data(), nullptr);
 }
 
 void Group::write(bool closedForm)

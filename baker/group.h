@@ -62,9 +62,15 @@ private:
     void averageChunk(const Lobes& lobes, const std::vector<Member>* members, size_t first, size_t count);
     void weighNodes();
     void fit();
+    void fitIsotropic();
+    void fitAnisotropic();
+    void searchRanked(const std::vector<std::array<Shape, kMaxLanes>>& guesses, int searches, bool isotropic);
     void evaluateShape(const Shape* shapes, float* overlap, float* norm);
-    void consider(const Shape* shapes, bool keepOnlyBetter);
-    void improve(bool isotropic);
+    // Evaluates one shape a lane with its best Ks; keeps it where it beats the best so far.
+    void consider(const Shape* shapes, float* errors);
+    // Searches from one start a lane and keeps what is better than the best so far.
+    void minimiseFrom(const Shape* starts, bool isotropic);
+    bool settled() const; // no lane's error is worth another search
     void write(bool closedForm);
     FitProblem problem(bool isotropic);
 
@@ -79,6 +85,7 @@ private:
     // Best lobe of each lane so far.
     std::array<Shape, kMaxLanes> best_{};
     std::array<float, kMaxLanes> bestError_{};
+    std::array<Shape, kMaxLanes> peaks_{}; // the lobe at the highest node of G
     alignas(64) std::array<float, kMaxLanes> energy_{};
     alignas(64) std::array<float, kMaxLanes> maxLog_{};
 };

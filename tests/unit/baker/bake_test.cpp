@@ -1,0 +1,199 @@
+// Properties of whole chains.
+#include "baker/footprint.h"
+#include "maps.h"
+#include "oracle.h"
+#include "shared/limits.h"
+
+namespace lumel::baker {
+namespace {
+using namespace test;
+
+Options with(Method method, Model model = Model::ashikhminShirley)
+{
+    Options options;
+    options.method = method;
+    options.model = model;
+    return options;
+}
+} // namespace
+
+TEST(Bake, LevelsHalveDownToOneTexelAtAnySize)
+{
+    for (const glm::ivec2 size : {glm::ivec2(1, 1), {1, 7}, {5, 1}, {37, 21}, {64, 16}, {100, 3}}) {
+        const ReflectanceMips mips = bake(normalMaps(noiseNormals(size.x, size.y, 0.2f, 3), 60.0f), {});
+        int w = size.x, h = size.y;
+        ASSERT_EQ(int(mips.levels.size()), levelCount(w, h));
+        for (const Level& level : mips.levels) {
+            EXPECT_EQ(level.width, w);
+            EXPECT_EQ(level.height, h);
+            ASSERT_EQ(level.texels.size(), size_t(w) * size_t(h) * kChannels);
+            for (const float v : level.texels)
+                ASSERT_TRUE(std::isfinite(v));
+            w = std::max(1, w / 2);
+            h = std::max(1, h / 2);
+        }
+    }
+}
+
+TEST(Bake, FlatInputReturnsItselfExactlyOnAllLevels)
+{
+    for (const glm::ivec2 size : {glm::ivec2(64, 64), {45, 70}})
+        for (const Model model : {Model::blinnPhong, Model::ashikhminShirley}) {
+            Maps maps = normalMaps(constantImage(size.x, size.y, {0.6f, 0.35f, 0.93f}), 123.0f);
+            maps.specularConstant = {0.9f, 0.5f, 0.1f};
+            const ReflectanceMips mips = bake(maps, with(Method::fit, model));
+            const float* base = mips.levels[0].at(0, 0);
+            for (const Level& level : mips.levels)
+                for (size_t i = 0; i < level.texels.size(); i += kChannels) {
+                    for (int c = kNx; c <= kSyy; ++c)
+                        ASSERT_EQ(level.texels[i + size_t(c)], base[c]);
+                    for (int c = kKsR; c <= kKsB; ++c)
+                        ASSERT_NEAR(level.texels[i + size_t(c)], base[c], 1e-6f);
+                    ASSERT_EQ(level.texels[i + kError], 0.0f);
+                }
+        }
+}
+
+TEST(Bake, StatedErrorIsTheTrueOne)
+{
+    const ReflectanceMips mips = bake(normalMaps(noiseNormals(16, 16, 0.15f, 11), 100.0f), {});
+    for (size_t l = 1; l < mips.levels.size(); ++l) {
+        const float* t = mips.levels[l].at(0, 0);
+        const OracleSums sums = oracleSums(lobesUnder(mips, l, 0, 0), oracleLobe(t), 300);
+        EXPECT_NEAR(t[kError], sums.relativeError(t[kKsR]), 2e-3) << "level " << l;
+        EXPECT_NEAR(t[kKsR], sums.gf / sums.ff, 2e-3 * t[kKsR]) << "level " << l;
+    }
+}
+
+TEST(Bake, OddSizesAverageExactAreas)
+{
+    // Three texels across: level 1 is one texel that covers all of them equally.
+    Maps maps = normalMaps(constantImage(3, 1, {0.5f, 0.5f, 1.0f}), 50.0f);
+    maps.diffuse = Image(3, 1, 1);
+    maps.diffuse.pixels = {0.0f, 0.3f, 0.9f};
+    EXPECT_NEAR(bake(maps, {}).levels[1].at(0, 0)[kKdR], 0.4f, 1e-6f);
+    // Five across: two texels of 2.5 each.
+    maps.normal = constantImage(5, 1, {0.5f, 0.5f, 1.0f});
+    maps.diffuse = Image(5, 1, 1);
+    maps.diffuse.pixels = {1.0f, 0.5f, 0.2f, 0.0f, 0.0f};
+    const ReflectanceMips mips = bake(maps, {});
+    ASSERT_EQ(mips.levels[1].width, 2);
+    EXPECT_NEAR(mips.levels[1].at(0, 0)[kKdR], (1.0f + 0.5f + 0.1f) / 2.5f, 1e-6f);
+    EXPECT_NEAR(mips.levels[1].at(1, 0)[kKdR], 0.1f / 2.5f, 1e-6f);
+}
+
+TEST(Bake, FitNeverLosesToAClosedForm)
+{
+    const Maps maps = heightMaps(bumps(64, 64), 0.2f, 150.0f);
+    const ReflectanceMips as = bake(maps, with(Method::fit));
+    const ReflectanceMips bp = bake(maps, with(Method::fit, Model::blinnPhong));
+    for (const Method method :
+         {Method::average, Method::toksvig, Method::lean, Method::flat, Method::height}) {
+        const ReflectanceMips closed = bake(maps, with(method));
+        for (size_t l = 1; l < as.levels.size(); ++l)
+            for (size_t i = kError; i < as.levels[l].texels.size(); i += kChannels) {
+                ASSERT_LE(as.levels[l].texels[i], closed.levels[l].texels[i] + 2e-4f)
+                    << closed.method << " level " << l;
+                if (method != Method::lean) { // LEAN is anisotropic
+                    ASSERT_LE(bp.levels[l].texels[i], closed.levels[l].texels[i] + 2e-4f);
+                }
+            }
+    }
+    for (size_t l = 1; l < as.levels.size(); ++l)
+        for (size_t i = kError; i < as.levels[l].texels.size(); i += kChannels)
+            ASSERT_LE(as.levels[l].texels[i], bp.levels[l].texels[i] + 2e-4f) << "level " << l;
+}
+
+TEST(Bake, GroovesStayGrooves)
+{
+    const ReflectanceMips mips = bake(heightMaps(grooves(64, 64, 16), 0.008f, 400.0f), {});
+    for (size_t l = 3; l < mips.levels.size(); ++l) {
+        const float* t = mips.levels[l].at(0, 0);
+        EXPECT_GT(t[kSxx] / t[kSyy], 5.0f) << "level " << l;
+        EXPECT_NEAR(1.0f / t[kSyy], 400.0f, 40.0f) << "power along the grooves, level " << l;
+    }
+}
+
+TEST(Bake, RotatingTheMapRotatesTheResult)
+{
+    const int n = 32;
+    const Image original = noiseNormals(n, n, 0.25f, 5);
+    Image turned(n, n, 3); // by 90 degrees to the left, as seen
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) {
+            const float* from = original.at(n - 1 - y, x);
+            float* to = turned.at(x, y);
+            to[0] = 1.0f - from[1]; // N.x' = -N.y
+            to[1] = from[0];        // N.y' = N.x
+            to[2] = from[2];
+        }
+    const ReflectanceMips a = bake(normalMaps(original, 90.0f), {}), b = bake(normalMaps(turned, 90.0f), {});
+    for (size_t l = 1; l < a.levels.size(); ++l) {
+        const int size = a.levels[l].width;
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+                const float* from = a.levels[l].at(size - 1 - y, x);
+                const float* to = b.levels[l].at(x, y);
+                ASSERT_NEAR(to[kError], from[kError], 2e-3f);
+                ASSERT_NEAR(to[kNx], -from[kNy], 2e-2f) << "level " << l;
+                ASSERT_NEAR(to[kNy], from[kNx], 2e-2f) << "level " << l;
+            }
+    }
+}
+
+TEST(Bake, PermutingTexelsUnderAPatchChangesNothing)
+{
+    Image normals = noiseNormals(8, 8, 0.2f, 9);
+    const ReflectanceMips a = bake(normalMaps(normals, 120.0f), {});
+    std::mt19937 random(4);
+    for (int i = 63; i > 0; --i) {
+        const int j = int(random() % unsigned(i + 1));
+        std::swap_ranges(normals.at(i % 8, i / 8), normals.at(i % 8, i / 8) + 3, normals.at(j % 8, j / 8));
+    }
+    const ReflectanceMips b = bake(normalMaps(normals, 120.0f), {});
+    const float *ta = a.levels[3].at(0, 0), *tb = b.levels[3].at(0, 0);
+    EXPECT_NEAR(ta[kError], tb[kError], 1e-3f);
+    EXPECT_NEAR(ta[kNx], tb[kNx], 3e-3f);
+    EXPECT_NEAR(ta[kSxx], tb[kSxx], 0.02f * ta[kSxx]);
+}
+
+TEST(Bake, BlackSpecularStaysBlackWithoutError)
+{
+    Maps maps = normalMaps(noiseNormals(16, 16, 0.2f, 2), 50.0f);
+    maps.specularConstant = glm::vec3(0.0f);
+    const ReflectanceMips mips = bake(maps, {});
+    for (const Level& level : mips.levels) {
+        EXPECT_EQ(meanOf(level, kKsG), 0.0);
+        EXPECT_EQ(meanOf(level, kError), 0.0);
+    }
+    EXPECT_GT(mips.levels.back().at(0, 0)[kSxx], 0.02f) << "the shape still widens";
+}
+
+TEST(Bake, ColouredSpecularIsProjectedPerChannel)
+{
+    Maps maps = normalMaps(constantImage(4, 4, {0.5f, 0.5f, 1.0f}), 50.0f);
+    maps.specular = Image(2, 1, 3);
+    maps.specular.pixels = {1.0f, 0.0f, 0.5f, 0.0f, 1.0f, 0.5f};
+    const ReflectanceMips mips = bake(maps, {});
+    const float* top = mips.levels.back().at(0, 0);
+    EXPECT_NEAR(top[kKsR], 0.5f, 1e-3f);
+    EXPECT_NEAR(top[kKsG], 0.5f, 1e-3f);
+    EXPECT_NEAR(top[kKsB], 0.5f, 1e-3f);
+}
+
+TEST(Bake, ThreadsAndRepetitionChangeNothing)
+{
+    const Maps maps = heightMaps(bumps(96, 96), 0.1f, 80.0f);
+    Options one;
+    one.threads = 1;
+    const ReflectanceMips a = bake(maps, {}), b = bake(maps, one);
+    for (size_t l = 0; l < a.levels.size(); ++l)
+        EXPECT_EQ(a.levels[l].texels, b.levels[l].texels) << "level " << l;
+}
+
+TEST(Bake, ProgressReachesItsTotal)
+{
+    const Maps maps = heightMaps(bumps(64, 32), 0.1f, 80.0f);
+    EXPECT_EQ(progressUnits(maps), size_t(64 * 32 * 6));
+}
+} // namespace lumel::baker
