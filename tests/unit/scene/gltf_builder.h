@@ -8,9 +8,13 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 namespace lumel::scene {
+
+// What the loader tells its user would bury failures.
+inline const bool kQuiet = (spdlog::set_level(spdlog::level::off), true);
 
 // A folder of its own for each test, gone afterwards.
 class TemporaryFolder {

@@ -1,0 +1,209 @@
+#include "core/error.h"
+#include "core/file.h"
+#include "core/image.h"
+#include <cmath>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace lumel {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Images : testing::Test {
+    fs::path folder;
+
+    Images()
+    {
+        std::string pattern = (fs::temp_directory_path() / "lumel-test-XXXXXX").string();
+        folder = mkdtemp(pattern.data());
+    }
+    ~Images() override { fs::remove_all(folder); }
+
+    static Image gradient(int width, int height, int channels)
+    {
+        Image image(width, height, channels);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                for (int c = 0; c < channels; ++c)
+                    image.at(x, y)[c] = float((7 * x + 50 * y + 90 * c) % 256) / 255.0f;
+        return image;
+    }
+
+    // One line, the file's name in it.
+    static void expectRefused(const fs::path& file)
+    {
+        try {
+            readImage(file);
+            ADD_FAILURE() << file << " was read";
+        } catch (const Error& e) {
+            const std::string message = e.what();
+            EXPECT_EQ(message.rfind(file.string(), 0), 0u) << message;
+            EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+            EXPECT_NE(message.find("; "), std::string::npos) << "no remedy: " << message;
+        }
+    }
+    fs::path write(const std::string& name, const std::string& bytes) const
+    {
+        std::ofstream(folder / name, std::ios::binary) << bytes;
+        return folder / name;
+    }
+    static std::string text(const fs::path& file)
+    {
+        std::ifstream stream(file, std::ios::binary);
+        return {std::istreambuf_iterator<char>(stream), {}};
+    }
+};
+
+TEST_F(Images, PngKeepsEightBits)
+{
+    for (int channels : {1, 3}) {
+        const Image image = gradient(13, 5, channels);
+        writeImage(folder / "a.png", image);
+        const Image read = readImage(folder / "a.png");
+        ASSERT_EQ(read.width, 13);
+        ASSERT_EQ(read.height, 5);
+        ASSERT_EQ(read.channels, channels);
+        for (size_t i = 0; i < image.pixels.size(); ++i)
+            EXPECT_NEAR(read.pixels[i], image.pixels[i], 1e-6f) << channels;
+    }
+}
+
+// Off until core/image.cpp asks OpenImageIO for unassociated alpha: base colours with alpha come out dark.
+TEST_F(Images, DISABLED_ColoursAreNotMultipliedByAlpha)
+{
+    const Image image = gradient(13, 5, 4);
+    writeImage(folder / "a.png", image);
+    const Image fromFile = readImage(folder / "a.png"),
+                fromMemory = readImage(readFile(folder / "a.png"), "memory");
+    ASSERT_EQ(fromFile.channels, 4);
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+        EXPECT_NEAR(fromFile.pixels[i], image.pixels[i], 1e-6f);
+        EXPECT_NEAR(fromMemory.pixels[i], image.pixels[i], 1e-6f);
+    }
+}
+
+TEST_F(Images, ExrKeepsHalfFloatsBeyondOne)
+{
+    Image image(3, 1, 3);
+    image.pixels = {0.0f, 1000.0f, -2.5f, 0.1f, 65504.0f, 6.1e-5f, 1.0f / 3.0f, 12.34f, 0.5f};
+    writeImage(folder / "a.exr", image);
+    const Image read = readImage(folder / "a.exr");
+    ASSERT_EQ(read.pixels.size(), image.pixels.size());
+    for (size_t i = 0; i < image.pixels.size(); ++i)
+        EXPECT_NEAR(read.pixels[i], image.pixels[i], std::abs(image.pixels[i]) / 2048.0f + 1e-7f);
+}
+
+// Off until core/image.cpp sets a fixed date: OpenImageIO's EXR writer adds the present one.
+TEST_F(Images, DISABLED_SameImageIsTheSameFile)
+{
+    for (const char* name : {"a.png", "a.exr"}) {
+        writeImage(folder / name, gradient(40, 30, 3));
+        const std::string first = text(folder / name);
+        usleep(1'100'000); // time stamps count seconds
+        writeImage(folder / name, gradient(40, 30, 3));
+        EXPECT_TRUE(text(folder / name) == first) << name;
+    }
+}
+
+TEST_F(Images, MemoryGivesTheSameAsTheFile)
+{
+    for (const char* name : {"a.png", "a.exr"}) {
+        writeImage(folder / name, gradient(9, 9, 3));
+        const auto bytes = readFile(folder / name);
+        EXPECT_EQ(readImage(bytes, "memory").pixels, readImage(folder / name).pixels) << name;
+    }
+}
+
+TEST_F(Images, UnknownFormatsAndFoldersAreRefusedWhenWriting)
+{
+    EXPECT_THROW(writeImage(folder / "a.xyz", gradient(2, 2, 3)), Error);
+    EXPECT_THROW(writeImage(folder / "none" / "a.png", gradient(2, 2, 3)), Error);
+    EXPECT_TRUE(fs::is_empty(folder));
+}
+
+TEST_F(Images, MissingFilesAndFoldersAreNamed)
+{
+    expectRefused(folder / "missing.png");
+    fs::create_directory(folder / "folder.png");
+    expectRefused(folder / "folder.png");
+}
+
+TEST_F(Images, EmptyFilesAreNamed)
+{
+    for (const char* name : {"a.png", "a.jpg", "a.exr", "a.tif"})
+        expectRefused(write(name, ""));
+}
+
+TEST_F(Images, TextIsNamed)
+{
+    for (const char* name : {"a.png", "a.jpg", "a.exr", "a.tif", "a.txt", "a"})
+        expectRefused(write(name, "This is a shopping list.\nMilk.\n"));
+}
+
+TEST_F(Images, TruncatedFilesAreNamed)
+{
+    for (const char* name : {"a.png", "a.exr"}) {
+        writeImage(folder / name, gradient(64, 64, 3));
+        const std::string whole = text(folder / name);
+        for (double share : {0.02, 0.3, 0.6})
+            expectRefused(write(name, whole.substr(0, size_t(share * double(whole.size())))));
+    }
+}
+
+TEST_F(Images, TruncatedMemoryIsNamed)
+{
+    writeImage(folder / "a.png", gradient(64, 64, 3));
+    const auto whole = readFile(folder / "a.png");
+    for (size_t size : {size_t(0), size_t(3), size_t(20), whole.size() / 2}) {
+        try {
+            readImage(std::span(whole).first(size), "model.glb#image3");
+            ADD_FAILURE() << size << " bytes were read";
+        } catch (const Error& e) {
+            EXPECT_EQ(std::string(e.what()).rfind("model.glb#image3", 0), 0u) << e.what();
+        }
+    }
+}
+
+TEST_F(Images, BombsAreRefusedBeforeMemoryIsTaken)
+{
+    // A PNG header (RFC 2083, section 4.1.1) that declares 65500 x 65500 pixels.
+    std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\xff\xdc\0\0\xff\xdc\x08\x02\0\0\0", 29);
+    uint32_t crc = 0xffffffffu; // over "IHDR" and its data
+    for (size_t i = 12; i < png.size(); ++i) {
+        crc ^= uint8_t(png[i]);
+        for (int k = 0; k < 8; ++k)
+            crc = crc & 1 ? 0xedb88320u ^ (crc >> 1) : crc >> 1;
+    }
+    crc = ~crc;
+    for (int shift = 24; shift >= 0; shift -= 8)
+        png += char(crc >> shift);
+    png += std::string("\0\0\0\x0aIDAT\x78\x9c\x63\0\0\0\1\0\1", 18);
+    expectRefused(write("bomb.png", png));
+}
+
+TEST(Srgb, AgreesWithTheStandard)
+{
+    // IEC 61966-2-1: both branches, their joint, and a value of the usual tables.
+    EXPECT_EQ(srgbToLinear(0.0f), 0.0f);
+    EXPECT_FLOAT_EQ(srgbToLinear(1.0f), 1.0f);
+    EXPECT_NEAR(srgbToLinear(188.0f / 255.0f), 0.502886f, 1e-5f);
+    EXPECT_NEAR(srgbToLinear(0.02f), 0.02f / 12.92f, 1e-8f);
+    EXPECT_NEAR(srgbToLinear(0.04045f), srgbToLinear(0.04046f), 2e-6f);
+    EXPECT_NEAR(linearToSrgb(0.18f), 0.461356f, 1e-5f);
+    EXPECT_NEAR(linearToSrgb(0.0031308f), linearToSrgb(0.0031309f), 2e-6f);
+}
+
+TEST(Srgb, BothFunctionsAreInverse)
+{
+    for (int i = 0; i <= 255; ++i) {
+        const float encoded = float(i) / 255.0f;
+        EXPECT_NEAR(linearToSrgb(srgbToLinear(encoded)), encoded, 1e-6f);
+    }
+    EXPECT_LT(srgbToLinear(-0.1f), 0.0f) << "negative values stay linear";
+    EXPECT_FALSE(std::isnan(linearToSrgb(-0.1f)));
+}
+
+} // namespace
+} // namespace lumel

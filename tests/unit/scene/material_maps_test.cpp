@@ -1,0 +1,193 @@
+#include "gltf_builder.h"
+#include "scene/material_maps.h"
+
+namespace lumel::scene {
+namespace {
+
+// Scenes whose images are real PNG files in memory.
+struct MaterialMaps : testing::Test {
+    TemporaryFolder folder;
+    Scene scene;
+    Material material;
+
+    // Value of channel c at (x, y), in steps of 1/255.
+    template<class Value>
+    int addImage(int width, int height, int channels, const Value& value)
+    {
+        Image image(width, height, channels);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                for (int c = 0; c < channels; ++c)
+                    image.at(x, y)[c] = float(value(x, y, c)) / 255.0f;
+        writeImage(folder / "image.png", image);
+        const std::string bytes = readText(folder / "image.png");
+        SceneImage entry;
+        entry.name = "image" + std::to_string(scene.images.size()) + ".png";
+        for (char byte : bytes)
+            entry.bytes.push_back(std::byte(byte));
+        scene.images.push_back(std::move(entry));
+        return int(scene.images.size()) - 1;
+    }
+};
+
+void expectNear(const float* actual, glm::vec3 expected, float tolerance = 1e-5f)
+{
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(actual[c], expected[c], tolerance);
+}
+
+TEST_F(MaterialMaps, ConstantsGiveOneTexel)
+{
+    material.baseColor = {0.8f, 0.4f, 0.2f, 1.0f};
+    material.metallic = 0.25f;
+    material.roughness = 0.5f;
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    EXPECT_TRUE(maps.specular.empty());
+    EXPECT_TRUE(maps.diffuse.empty());
+    EXPECT_TRUE(maps.roughness.empty());
+    EXPECT_EQ(maps.normal.width * maps.normal.height, 1);
+    expectNear(&maps.specularConstant.x, {0.23f, 0.13f, 0.08f}); // 0.04 + (c - 0.04) / 4
+    expectNear(&maps.diffuseConstant.x, {0.6f, 0.3f, 0.15f});
+    EXPECT_FLOAT_EQ(maps.powerConstant, baker::powerFromRoughness(0.5f));
+    EXPECT_FALSE(glowVaries(material));
+    const Image glow = glowImage(scene, material);
+    EXPECT_EQ(glow.width * glow.height, 1);
+    expectNear(glow.pixels.data(), {0, 0, 0});
+    EXPECT_EQ(glow.pixels[3], 1.0f);
+}
+
+TEST_F(MaterialMaps, ColoursAreDecodedFromSrgbAndMultiplied)
+{
+    material.metallic = 0.0f;
+    material.baseColor = {0.5f, 1.0f, 1.0f, 1.0f};
+    material.baseColorImage = addImage(2, 1, 3, [](int x, int, int) { return x ? 188 : 55; });
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    ASSERT_EQ(maps.diffuse.width, 2);
+    // IEC 61966-2-1: 188/255 encodes 0.5029, 55/255 encodes 0.0382
+    expectNear(maps.diffuse.at(1, 0), {0.25144f, 0.50289f, 0.50289f}, 1e-4f);
+    expectNear(maps.diffuse.at(0, 0), {0.01910f, 0.03820f, 0.03820f}, 1e-4f);
+    EXPECT_TRUE(maps.specular.empty()) << "glossy plastic everywhere";
+    expectNear(&maps.specularConstant.x, glm::vec3(0.04f));
+}
+
+TEST_F(MaterialMaps, RoughnessIsGreenAndMetalnessBlueOfTheOtherImage)
+{
+    material.roughness = 0.5f;
+    material.metallic = 1.0f;
+    material.baseColor = {0.9f, 0.6f, 0.3f, 1.0f};
+    // red is occlusion in many files and must not matter
+    material.metallicRoughnessImage = addImage(2, 2, 3, [](int x, int y, int c) {
+        return c == 0 ? 77 : c == 1 ? 51 + 102 * x : 255 * y;
+    });
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    ASSERT_EQ(maps.roughness.width, 2);
+    EXPECT_NEAR(*maps.roughness.at(0, 0), 0.1f, 1e-5f);
+    EXPECT_NEAR(*maps.roughness.at(1, 1), 0.3f, 1e-5f);
+    expectNear(maps.specular.at(0, 0), glm::vec3(0.04f));
+    expectNear(maps.specular.at(0, 1), {0.9f, 0.6f, 0.3f});
+    expectNear(maps.diffuse.at(0, 0), {0.9f, 0.6f, 0.3f});
+    expectNear(maps.diffuse.at(0, 1), {0, 0, 0});
+}
+
+TEST_F(MaterialMaps, ImagesOfOneMaterialMayDifferInSize)
+{
+    material.baseColorImage = addImage(8, 4, 3, [](int, int, int) { return 255; });
+    material.metallicRoughnessImage = addImage(2, 2, 3, [](int, int y, int) { return 255 * y; });
+    material.normalImage = addImage(3, 5, 3, [](int, int, int c) { return c == 2 ? 255 : 128; });
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    EXPECT_EQ(maps.specular.width, 8);
+    EXPECT_EQ(maps.specular.height, 4);
+    EXPECT_EQ(maps.normal.width, 3);
+    // Rows 0 to 3 of 4 fall on the lower map at -0.25, 0.25, 0.75, 1.25 of its two rows, repeated.
+    expectNear(maps.diffuse.at(0, 0), glm::vec3(0.75f));
+    expectNear(maps.diffuse.at(0, 1), glm::vec3(0.75f));
+    expectNear(maps.diffuse.at(0, 2), glm::vec3(0.25f));
+}
+
+TEST_F(MaterialMaps, ImagesOfOneValueBecomeConstants)
+{
+    material.baseColorImage = addImage(16, 16, 3, [](int, int, int) { return 255; });
+    material.metallicRoughnessImage = addImage(16, 16, 3, [](int, int, int c) { return c == 1 ? 51 : 0; });
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    EXPECT_TRUE(maps.diffuse.empty());
+    EXPECT_TRUE(maps.specular.empty());
+    EXPECT_TRUE(maps.roughness.empty());
+    EXPECT_FLOAT_EQ(maps.powerConstant, baker::powerFromRoughness(0.2f));
+}
+
+TEST_F(MaterialMaps, GreyImagesCountAsColours)
+{
+    material.metallic = 0.0f;
+    material.baseColorImage = addImage(2, 1, 1, [](int x, int, int) { return 255 * x; });
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    expectNear(maps.diffuse.at(1, 0), glm::vec3(1.0f));
+}
+
+TEST_F(MaterialMaps, HeightsReplaceNormalsAndPowerTheRoughness)
+{
+    material.normalImage = addImage(2, 2, 3, [](int, int, int) { return 128; });
+    material.heightImage = addImage(4, 4, 1, [](int x, int, int) { return 60 * x; });
+    material.heightScale = 0.05f;
+    material.power = 250.0f;
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    EXPECT_TRUE(maps.normal.empty());
+    EXPECT_EQ(maps.height.width, 4);
+    EXPECT_FLOAT_EQ(maps.heightScale, 0.05f);
+    EXPECT_FLOAT_EQ(maps.powerConstant, 250.0f);
+}
+
+TEST_F(MaterialMaps, GlowHoldsEmissionAndOcclusion)
+{
+    material.emissive = {2.0f, 0.0f, 4.0f};
+    material.emissiveImage = addImage(2, 1, 3, [](int x, int, int) { return 255 * x; });
+    material.occlusionImage = addImage(2, 1, 3, [](int x, int, int c) { return c == 0 ? 255 - 153 * x : 9; });
+    material.occlusionStrength = 0.5f;
+    EXPECT_TRUE(glowVaries(material));
+    const Image glow = glowImage(scene, material);
+    ASSERT_EQ(glow.channels, 4);
+    expectNear(glow.at(0, 0), {0, 0, 0});
+    expectNear(glow.at(1, 0), {2, 0, 4});
+    EXPECT_NEAR(glow.at(0, 0)[3], 1.0f, 1e-5f);
+    EXPECT_NEAR(glow.at(1, 0)[3], 0.7f, 1e-5f); // 1 + 0.5 (0.4 - 1)
+}
+
+TEST_F(MaterialMaps, BrokenImagesAreNamed)
+{
+    material.normalImage = addImage(2, 2, 3, [](int, int, int) { return 128; });
+    scene.images[0].bytes.resize(20);
+    EXPECT_TRUE(contains(errorOf([&] { reflectanceMaps(scene, material); }), "image0.png"));
+}
+
+TEST(MipChain, EndsAtOneTexelAndKeepsTheMean)
+{
+    for (glm::ivec2 size :
+         {glm::ivec2(8, 8), glm::ivec2(7, 5), glm::ivec2(1, 6), glm::ivec2(13, 1), glm::ivec2(1, 1)}) {
+        Image image(size.x, size.y, 2);
+        double mean = 0.0;
+        for (size_t i = 0; i < image.pixels.size(); ++i) {
+            image.pixels[i] = float((i * 37) % 11);
+            if (i % 2 == 0)
+                mean += double(image.pixels[i]) * 2.0 / double(image.pixels.size());
+        }
+        const auto levels = mipChain(image);
+        int width = size.x, height = size.y;
+        for (const Image& level : levels) {
+            EXPECT_EQ(level.width, width);
+            EXPECT_EQ(level.height, height);
+            width = std::max(1, width / 2);
+            height = std::max(1, height / 2);
+        }
+        EXPECT_EQ(levels.back().pixels.size(), 2u);
+        EXPECT_NEAR(levels.back().pixels[0], mean, 1e-5);
+    }
+}
+
+TEST(MipChain, EvenSizesAverageFourTexels)
+{
+    Image image(2, 2, 1);
+    image.pixels = {1, 2, 3, 6};
+    EXPECT_FLOAT_EQ(mipChain(image).at(1).pixels[0], 3.0f);
+}
+
+} // namespace
+} // namespace lumel::scene

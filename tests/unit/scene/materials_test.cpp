@@ -1,0 +1,261 @@
+// The bake cache: what is found again, what is not, and what is never trusted.
+#include "core/file.h"
+#include "gltf_builder.h"
+#include "scene/bake_cache.h"
+#include "scene/materials.h"
+#include <chrono>
+#include <csignal>
+#include <set>
+
+namespace lumel::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Materials : testing::Test {
+    TemporaryFolder folder;
+    Scene scene;
+    MaterialOptions options;
+
+    Materials()
+    {
+        setenv("XDG_CACHE_HOME", folder.path().c_str(), 1);
+        options.method = baker::Method::lean; // closed form: fast
+        scene.file = "test.gltf";
+        Material material;
+        material.name = "bumpy";
+        material.normalImage =
+            addImage([](int x, int y, int c) { return c == 2 ? 250 : 100 + (7 * x + 11 * y) % 60; });
+        material.occlusionImage = addImage([](int x, int, int) { return 20 * x; });
+        scene.materials = {material};
+    }
+
+    template<class Value>
+    int addImage(const Value& value)
+    {
+        Image image(8, 8, 3);
+        for (int y = 0; y < 8; ++y)
+            for (int x = 0; x < 8; ++x)
+                for (int c = 0; c < 3; ++c)
+                    image.at(x, y)[c] = float(value(x, y, c)) / 255.0f;
+        writeImage(folder / "image.png", image);
+        SceneImage entry;
+        entry.name = "image.png";
+        entry.bytes = readFile(folder / "image.png");
+        scene.images.push_back(entry);
+        return int(scene.images.size()) - 1;
+    }
+
+    std::set<fs::path> cached() const
+    {
+        std::set<fs::path> files;
+        if (fs::exists(folder / "lumel"))
+            for (const auto& entry : fs::directory_iterator(folder / "lumel"))
+                files.insert(entry.path());
+        return files;
+    }
+
+    // Marks the files, so that writing them again is seen.
+    void age() const
+    {
+        for (const fs::path& file : cached())
+            fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(24));
+    }
+    bool rewritten() const
+    {
+        for (const fs::path& file : cached())
+            if (fs::last_write_time(file) > fs::file_time_type::clock::now() - std::chrono::hours(12))
+                return true;
+        return false;
+    }
+};
+
+void expectEqual(const BakedMaterial& a, const BakedMaterial& b)
+{
+    ASSERT_EQ(a.reflectance.levels.size(), b.reflectance.levels.size());
+    for (size_t i = 0; i < a.reflectance.levels.size(); ++i)
+        EXPECT_EQ(a.reflectance.levels[i].texels, b.reflectance.levels[i].texels);
+    ASSERT_EQ(a.glow.size(), b.glow.size());
+    for (size_t i = 0; i < a.glow.size(); ++i)
+        EXPECT_EQ(a.glow[i].pixels, b.glow[i].pixels);
+}
+
+TEST_F(Materials, ChainsHaveTheSizeOfTheirMaps)
+{
+    scene.materials.push_back(Material{});
+    scene.materials[1].baseColor = {0.25f, 0.5f, 0.75f, 1.0f};
+    scene.materials[1].metallic = 0.0f;
+    scene.materials[1].emissive = {1, 2, 3};
+    const auto baked = bakeMaterials(scene, options);
+    ASSERT_EQ(baked.size(), 2u);
+    ASSERT_EQ(baked[0].reflectance.levels.size(), 4u);
+    EXPECT_EQ(baked[0].reflectance.levels[0].width, 8);
+    EXPECT_EQ(baked[0].glow.size(), 4u);
+    ASSERT_EQ(baked[1].reflectance.levels.size(), 1u) << "constant";
+    const float* texel = baked[1].reflectance.levels[0].at(0, 0);
+    EXPECT_NEAR(texel[baker::kKdB], 0.75f, 1e-3f);
+    EXPECT_NEAR(texel[baker::kKsG], 0.04f, 1e-4f);
+    EXPECT_NEAR(texel[baker::kNx], 0.0f, 1e-6f);
+    ASSERT_EQ(baked[1].glow.size(), 1u);
+    EXPECT_EQ(baked[1].glow[0].pixels, (std::vector<float>{1, 2, 3, 1}));
+}
+
+TEST_F(Materials, SecondTimeComesFromTheCacheAndIsTheSame)
+{
+    const auto first = bakeMaterials(scene, options);
+    EXPECT_EQ(cached().size(), 3u); // reflectance, glow, manifest
+    age();
+    const auto second = bakeMaterials(scene, options);
+    EXPECT_FALSE(rewritten());
+    expectEqual(first[0], second[0]);
+}
+
+TEST_F(Materials, HitsDecodeNothing)
+{
+    BakeCache cache(scene, options);
+    const std::string key = cache.key(scene.materials[0]);
+    const auto first = bakeMaterials(scene, options);
+    for (SceneImage& image : scene.images)
+        image.bytes.clear(); // would throw
+    const auto found = cache.load(key, scene.materials[0]);
+    ASSERT_TRUE(found);
+    expectEqual(first[0], *found);
+}
+
+TEST_F(Materials, CacheCanBeSwitchedOff)
+{
+    options.useCache = false;
+    bakeMaterials(scene, options);
+    EXPECT_TRUE(cached().empty());
+}
+
+TEST_F(Materials, EqualMaterialsAreBakedOnce)
+{
+    scene.materials.push_back(scene.materials[0]);
+    scene.materials[1].name = "another name";
+    const auto baked = bakeMaterials(scene, options);
+    EXPECT_EQ(cached().size(), 3u);
+    expectEqual(baked[0], baked[1]);
+}
+
+TEST_F(Materials, WhateverChangesTheResultChangesTheKey)
+{
+    const auto key = [&] { return BakeCache(scene, options).key(scene.materials[0]); };
+    std::set<std::string> keys = {key()};
+    const Scene original = scene;
+    const auto changed = [&](const auto& change) {
+        scene = original;
+        change(scene.materials[0]);
+        return keys.insert(key()).second;
+    };
+    EXPECT_TRUE(changed([](Material& m) { m.baseColor.x = 0.5f; }));
+    EXPECT_TRUE(changed([](Material& m) { m.baseColor.z = 0.5f; }));
+    EXPECT_TRUE(changed([](Material& m) { m.metallic = 0.5f; }));
+    EXPECT_TRUE(changed([](Material& m) { m.roughness = 0.5f; }));
+    EXPECT_TRUE(changed([](Material& m) { m.normalScale = 0.5f; }));
+    EXPECT_TRUE(changed([](Material& m) { m.occlusionStrength = 0.5f; }));
+    EXPECT_TRUE(changed([](Material& m) { m.emissive.y = 0.5f; }));
+    EXPECT_TRUE(changed([](Material& m) { m.power = 0.5f; }));
+    EXPECT_TRUE(changed([](Material& m) { m.heightScale = 0.25f; }));
+    EXPECT_TRUE(changed([](Material& m) { m.normalImage = 1; }));
+    EXPECT_TRUE(changed([](Material& m) { m.heightImage = 1; }));
+    EXPECT_TRUE(changed([](Material& m) { std::swap(m.normalImage, m.occlusionImage); }));
+    EXPECT_TRUE(changed([this](Material&) { scene.images[0].bytes.back() ^= std::byte(1); }));
+    scene = original;
+    options.method = baker::Method::toksvig;
+    EXPECT_TRUE(keys.insert(key()).second);
+    options.model = baker::Model::blinnPhong;
+    EXPECT_TRUE(keys.insert(key()).second);
+    options = MaterialOptions{.method = baker::Method::lean, .threads = 3};
+    scene.materials[0].name = "names and threads do not matter";
+    EXPECT_EQ(keys.count(key()), 1u);
+}
+
+TEST_F(Materials, DamagedEntriesAreBakedAnewAndReplaced)
+{
+    const auto good = bakeMaterials(scene, options);
+    std::map<fs::path, std::string> contents;
+    for (const fs::path& file : cached())
+        contents[file] = readText(file);
+    for (const auto& [file, text] : contents) {
+        std::string flipped = text;
+        flipped[flipped.size() / 2] ^= 0x10;
+        for (const std::string& damage :
+             {std::string(), text.substr(0, text.size() / 2), flipped, text + "more", std::string("hello")}) {
+            writeText(file, damage);
+            age();
+            const auto again = bakeMaterials(scene, options);
+            expectEqual(good[0], again[0]);
+            EXPECT_TRUE(rewritten()) << file;
+            EXPECT_NE(readText(file), damage) << file;
+        }
+        fs::remove(file);
+        expectEqual(good[0], bakeMaterials(scene, options)[0]);
+        age();
+        expectEqual(good[0], bakeMaterials(scene, options)[0]);
+        EXPECT_FALSE(rewritten()) << "found again after " << file;
+    }
+}
+
+TEST_F(Materials, EntriesOfOtherMaterialsAreNotTrusted)
+{
+    const auto good = bakeMaterials(scene, options);
+    Scene other = scene;
+    other.materials[0].roughness = 0.3f;
+    other.materials[0].normalImage = -1; // its chain has another size, too
+    bakeMaterials(other, options);
+    const std::string ours = BakeCache(scene, options).key(scene.materials[0]);
+    const std::string theirs = BakeCache(other, options).key(other.materials[0]);
+    for (const char* ending : {".exr", "-glow.exr", ".json"}) // whole, valid, and of something else
+        fs::copy_file(folder / ("lumel/" + theirs + ending), folder / ("lumel/" + ours + ending),
+                      fs::copy_options::overwrite_existing);
+    expectEqual(good[0], bakeMaterials(scene, options)[0]);
+}
+
+TEST_F(Materials, UnusableCacheFolderIsNoError)
+{
+    writeText(folder / "lumel", "a file where the folder should be");
+    EXPECT_EQ(bakeMaterials(scene, options).size(), 1u);
+    setenv("XDG_CACHE_HOME", "/proc/nothing-can-be-made-here", 1);
+    EXPECT_EQ(bakeMaterials(scene, options).size(), 1u);
+}
+
+TEST_F(Materials, UnreadableEntriesAreNoError)
+{
+    bakeMaterials(scene, options);
+    for (const fs::path& file : cached()) {
+        fs::remove(file);
+        fs::create_directory(file); // neither readable nor replaceable
+    }
+    EXPECT_EQ(bakeMaterials(scene, options).size(), 1u);
+}
+
+TEST_F(Materials, ErrorsNameTheModelAndTheMaterial)
+{
+    scene.materials[0].heightImage = 0;
+    scene.materials[0].heightScale = 0.0f; // the baker refuses
+    const std::string message = errorOf([&] { bakeMaterials(scene, options); });
+    EXPECT_TRUE(contains(message, "test.gltf")) << message;
+    EXPECT_TRUE(contains(message, "bumpy")) << message;
+}
+
+TEST_F(Materials, InterruptLeavesNothingBehind)
+{
+    // In a process of its own, because the flag stays up.
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    EXPECT_EXIT(
+        {
+            catchInterrupts();
+            std::raise(SIGINT);
+            try {
+                bakeMaterials(scene, options);
+                std::exit(1);
+            } catch (const Interrupted&) {
+                std::exit(cached().empty() ? 0 : 2);
+            }
+        },
+        testing::ExitedWithCode(0), "");
+}
+
+} // namespace
+} // namespace lumel::scene
