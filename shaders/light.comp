@@ -46,9 +46,11 @@ void main()
     vec3 normal = w.x * a.normal + w.y * b.normal + w.z * c.normal;
     vec3 tangent = w.x * a.tangent.xyz + w.y * b.tangent.xyz + w.z * c.tangent.xyz;
 
+    // Lumels coincide with the material's texels on levels that both have; finer lumels magnify its level 0.
     float materialLevel = float(level) + object.materialLevelOffset;
-    MaterialTexel material = object.materialLevelOffset == 0.0 ? fetchMaterial(ivec2(lumel), int(level), uv)
-                                                               : sampleMaterial(uv, max(materialLevel, 0.0));
+    bool coincide = materialLevel >= 0.0 && materialLevel == floor(materialLevel) && object.texelsCoincide != 0u;
+    MaterialTexel material = coincide ? fetchMaterial(ivec2(lumel), int(materialLevel), uv)
+                                      : sampleMaterial(uv, max(materialLevel, 0.0));
     vec3 radiance = shadeSurface(view, object, material, (object.worldFromObject * vec4(position, 1.0)).xyz,
                                  object.worldFromObjectNormal * normal,
                                  vec4(mat3(object.worldFromObject) * tangent, a.tangent.w));

@@ -153,6 +153,8 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     data.indices = meshes_[size_t(object.mesh)].indices.address();
     data.litSize = tsl::lumelGrid(int(gpuMaterial.size.x), int(gpuMaterial.size.y));
     data.materialLevelOffset = std::log2(float(gpuMaterial.size.x) / float(data.litSize.x));
+    data.texelsCoincide = gpuMaterial.size * (data.litSize / gpuMaterial.size) == data.litSize &&
+                          data.litSize.x / gpuMaterial.size.x == data.litSize.y / gpuMaterial.size.y;
     data.flags = material.doubleSided ? shared::kObjectDoubleSided : 0u;
     data.alphaCutoff = material.alphaCutoff;
     if (material.alphaMode == scene::AlphaMode::mask)

@@ -34,7 +34,7 @@ std::vector<glm::uvec2> occupiedTiles(const TexelMap& map, uint32_t level);
 
 // Level-0 lumel grid of an object whose material is width x height texels: the next power of two, at least
 // kMinGrid so that light still varies over a plain colour, at most kMaxGrid.
-inline constexpr uint32_t kMinGrid = 512, kMaxGrid = 8192;
+inline constexpr uint32_t kMinGrid = 1024, kMaxGrid = 8192;
 glm::uvec2 lumelGrid(int materialWidth, int materialHeight);
 
 } // namespace lumel::tsl

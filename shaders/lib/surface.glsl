@@ -35,7 +35,7 @@ MaterialTexel sampleMaterial(vec2 uv, float level)
 }
 
 // Where lumels and material texels coincide: no filtering.
-MaterialTexel fetchMaterial(ivec2 texel, int level, vec2 uv)
+MaterialTexel fetchMaterial(ivec2 texel, int level, vec2 uv) // level: of the material
 {
     float glowLevel = float(level) - log2(float(textureSize(mapNormal, 0).x) / float(textureSize(mapGlow, 0).x));
     return unpackMaterial(texelFetch(mapNormal, texel, level), texelFetch(mapSpecular, texel, level),

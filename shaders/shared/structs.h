@@ -69,6 +69,7 @@ struct Object {
     uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
     uvec2 litSize;                 // lumels of level 0, powers of two
     float materialLevelOffset;     // material level = lit level + this
+    uint texelsCoincide;           // 1: lit and material levels have equal sizes where both exist
     uint flags;                    // kObject...
     float alphaCutoff;
     // The lit texture that the object draws this frame: a layer of a pool block.

@@ -101,6 +101,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Object, texelOffsets);
     EXPECT_OFFSET(Object, litSize);
     EXPECT_OFFSET(Object, materialLevelOffset);
+    EXPECT_OFFSET(Object, texelsCoincide);
     EXPECT_OFFSET(Object, flags);
     EXPECT_OFFSET(Object, alphaCutoff);
     EXPECT_OFFSET(Object, layer);
