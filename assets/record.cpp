@@ -15,14 +15,14 @@ namespace {
 constexpr float kTau = 2.0f * float(std::numbers::pi);
 constexpr float kMm = 0.001f; // metres
 
-// Lengths in mm. A real LP has grooves 0.1 mm apart; these are 0.85 mm apart, so that a map of 2048
-// texels (0.15 mm each) still has six of them a groove and stays true from close by.
+// Lengths in mm. A real LP has grooves 0.1 mm apart; these are 1.05 mm apart, so that a map of 2048
+// texels (0.15 mm each) still has seven of them a groove and stays true from close by.
 constexpr int kVinylMap = 2048;
 constexpr float kVinylMapWidth = 306.0f;
 constexpr float kVinylRadius = 150.0f;
 constexpr float kHoleRadius = 3.6f;
-constexpr float kPitch = 0.85f;
-constexpr float kGrooveSlopeRms = 0.38f; // over the music; real groove walls stand at 45 degrees
+constexpr float kPitch = 1.05f;
+constexpr float kGrooveSlopeRms = 0.32f; // over the music; real groove walls stand at 45 degrees
 
 // A side of music: where each track begins and ends (outer radius first) and how loud it is.
 struct Track {
@@ -185,7 +185,7 @@ void addCamerasAndLights(GltfWriter& gltf)
     // From behind, so that the half vectors lean far enough over for the groove walls to catch them; two
     // azimuths make two hourglasses, warm and cool.
     gltf.addDirectional("key", {-0.55f, 1.0f, -0.62f}, {1.0f, 0.90f, 0.76f}, 5.0f);
-    gltf.addDirectional("rim", {0.80f, 0.75f, -0.70f}, {0.62f, 0.78f, 1.0f}, 3.0f);
+    gltf.addDirectional("rim", {0.70f, 1.20f, -0.70f}, {0.50f, 0.72f, 1.0f}, 2.2f);
     gltf.addDirectional("fill", {0.2f, 1.0f, 0.9f}, {1.0f, 0.96f, 0.92f}, 1.3f);
 }
 
@@ -199,10 +199,10 @@ void writeRecord(const std::filesystem::path& folder)
     tbb::parallel_invoke([&] { vinyl = makeVinyl(); }, [&] { platter = makePlatter(kPlatterMapWidth); },
                          [&] { label = makeLabel(1024); });
     const int vinylLook = gltf.addMaterial("vinyl", {.baseColour = {0.012f, 0.012f, 0.013f},
-                                                     .power = 220.0f,
+                                                     .power = 120.0f,
                                                      .heightImage = gltf.addHeight("vinyl", vinyl)});
     const int platterLook =
-        gltf.addMaterial("aluminium", {.baseColour = {0.86f, 0.86f, 0.87f},
+        gltf.addMaterial("aluminium", {.baseColour = {0.50f, 0.50f, 0.51f},
                                        .metallic = 1.0f,
                                        .power = 180.0f,
                                        .heightImage = gltf.addHeight("platter", platter)});
