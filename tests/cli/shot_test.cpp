@@ -137,7 +137,7 @@ TEST_F(Compare, TellsEqualFromDifferent)
     EXPECT_NE(different.out.find("psnr"), std::string::npos);
     EXPECT_TRUE(fs::exists(folder_ / "diff.png"));
     EXPECT_EQ(run({"compare", "a.png", "b.png", "--psnr-min", "30"}).exitCode, 1);
-    expectOneLine(run({"compare", "a.png", "wide.png"}), 1, "wide.png");
+    expectOneLine(run({"compare", "a.png", "wide.png"}), 1, "size");
     expectOneLine(run({"compare", "a.png", "nowhere.png"}), 1, "nowhere.png");
 }
 
