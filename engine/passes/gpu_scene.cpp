@@ -108,13 +108,13 @@ void GpuScene::uploadLights(const gpu::Device& device, const scene::Scene& scene
         lights.push_back(packLight(light));
     lightCount_ = uint32_t(lights.size());
     lights_ = gpu::uploadBuffer(device, lights, "lights");
-    // A little fill, so that what no light reaches is dim, not black: 2 % of the brightest light's irradiance
-    // from above, a third of that from below.
+    // A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the brightest
+    // directional light's irradiance, a third of that from below.
     float brightest = 0.0f;
     for (const scene::Light& light : source)
         if (light.type == scene::LightType::directional)
             brightest = std::max(brightest, light.intensity);
-    sky_ = glm::vec3(0.02f * brightest);
+    sky_ = glm::vec3(0.04f * brightest);
     ground_ = sky_ / 3.0f;
 }
 

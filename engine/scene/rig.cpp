@@ -34,8 +34,8 @@ Camera frameBounds(const Bounds& bounds, float aspect)
 }
 
 // Tuned on a white diffuse ball (Kd = 1): with Lo = Ei / pi Kd cos, its brightest point, where the key
-// falls straight on it, reaches a radiance of 0.8, its shaded side 0.2, and the edge that the rim light
-// finds 0.8 again. The rim stands low, or it would add to the key on everything that faces upwards.
+// falls straight on it, reaches a radiance of 0.8, its shaded side 0.2. The rim stands low and to the side:
+// straight behind, its grazing reflections outshine everything on glossy tops.
 std::vector<Light> threeLightRig()
 {
     const auto light = [](const char* name, glm::vec3 from, glm::vec3 colour, float lux) {
@@ -49,7 +49,7 @@ std::vector<Light> threeLightRig()
     return {
         light("key", {0.85f, 0.9f, 0.95f}, {1.0f, 0.94f, 0.84f}, 2.65f),
         light("fill", {-1.0f, -0.1f, 0.7f}, {0.78f, 0.88f, 1.0f}, 0.75f),
-        light("rim", {-0.65f, 0.35f, -1.0f}, {0.95f, 0.97f, 1.0f}, 2.5f),
+        light("rim", {-0.9f, 0.5f, -0.6f}, {0.95f, 0.97f, 1.0f}, 1.2f),
     };
 }
 

