@@ -80,11 +80,13 @@ TexelTask Chain::makeTask(int number, int x, int y, const Moments& mean)
     // The finer level's lobes under this texel; level 1 sits on the input itself.
     const Level& finer = levels_[size_t(number - 1)];
     const Footprint fx(x, level.width, finer.width), fy(y, level.height, finer.height);
-    for (int j = 0; j < 2; ++j)
-        for (int i = 0; i < 2; ++i) {
-            const int cx = std::min(fx.first + i, fx.last - 1), cy = std::min(fy.first + j, fy.last - 1);
-            const float* t = finer.at(cx, cy);
-            task.children[size_t(task.childCount++)] = {t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]};
+    const double area = (fx.end - fx.begin) * (fy.end - fy.begin);
+    for (int j = fy.first; j < fy.last; ++j)
+        for (int i = fx.first; i < fx.last; ++i) {
+            const float* t = finer.at(i, j);
+            const float ks = float(luminance({t[kKsR], t[kKsG], t[kKsB]}));
+            task.children[size_t(task.childCount++)] = {
+                {t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]}, ks, float(fx.weight(i) * fy.weight(j) / area)};
         }
     return task;
 }

@@ -37,8 +37,21 @@ struct LobeBatch {
 // which N moves. In these units the Hessian of the error near a good fit is close to the identity.
 enum Unknown { kX, kY, kL1, kL2, kL3, kB11, kB21, kB22, kUnknowns };
 
+// G as a few Gaussian lobes (fit_mixture.inl); amplitude = share * Ks * N.z.
+struct MixtureBlock {
+    int count = 0;
+    const float* nx = nullptr; // [count][lanes]
+    const float* ny = nullptr;
+    const float* nz = nullptr;
+    const float* sxx = nullptr;
+    const float* sxy = nullptr;
+    const float* syy = nullptr;
+    const float* amplitude = nullptr;
+};
+
 struct FitProblem {
     NodeBlock nodes;               // weight = area * G
+    MixtureBlock mixture;          // for minimiseMixture
     const float* energy = nullptr; // [lanes] <G, G>
     const float* maxLog = nullptr; // [lanes] upper bound of l1 and l2
     bool isotropic = true;         // l1 = l2, l3 = 0
@@ -57,6 +70,8 @@ struct Kernels {
                      float* gradient);
     // BFGS from `unknowns`, which it replaces by the best lobes found; error[lanes] = E / <G, G>.
     void (*minimise)(const FitProblem& problem, float* unknowns, float* error);
+    // The same against the mixture.
+    void (*minimiseMixture)(const FitProblem& problem, float* unknowns, float* error);
 };
 
 extern const Kernels kScalarKernels;   // one lane

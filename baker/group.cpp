@@ -53,7 +53,6 @@ void Group::begin(int count, size_t nodes)
         std::fill_n(a->data(), nodes * size_t(lanes()), a == &z_ ? 1.0f : 0.0f);
     }
     unknowns_.resize(kUnknowns, lanes());
-    rows_.resize(8, lanes());
     for (LaneArray& a : batch_)
         a.resize(kChunk, lanes());
 }
@@ -137,7 +136,6 @@ void Group::weighNodes()
 {
     energy_.fill(0.0f);
     std::array<double, kMaxLanes> energy{};
-    std::array<float, kMaxLanes> highest{};
     for (size_t k = 0; k < nodes_; ++k)
         for (int lane = 0; lane < lanes(); ++lane) {
             const float g = coloured_
@@ -146,11 +144,6 @@ void Group::weighNodes()
             const float w = area_.at(k, lane) * g;
             weight_.at(k, lane) = w;
             energy[size_t(lane)] += double(w) * g;
-            if (g > highest[size_t(lane)]) { // the peak of G, as a guess
-                highest[size_t(lane)] = g;
-                peaks_[size_t(lane)].nx = x_.at(k, lane);
-                peaks_[size_t(lane)].ny = y_.at(k, lane);
-            }
         }
     for (int lane = 0; lane < lanes(); ++lane) {
         energy_[size_t(lane)] = std::max(float(energy[size_t(lane)]), 1e-30f);
@@ -158,9 +151,6 @@ void Group::weighNodes()
         // No fit needs to be narrower than the narrowest lobe it stands for; a little room for the
         // minimiser to cross on its way.
         const double widest = std::max(1.1, 1.1 * mean.maxPower) - 1.0;
-        const float s = float(1.0 / std::max(1.0, mean.energyPower / std::max(mean.energy, 1e-9)));
-        Shape& peak = peaks_[size_t(lane)];
-        peak = {peak.nx, peak.ny, s, 0.0f, s};
         maxLog_[size_t(lane)] = float(0.5 * std::log(std::max(widest, 0.02)));
     }
 }
@@ -169,6 +159,8 @@ FitProblem Group::problem(bool isotropic)
 {
     FitProblem p;
     p.nodes = {int(nodes_), x_.data(), y_.data(), z_.data(), weight_.data()};
+    p.mixture = {mixtureCount_,      mixture_[0].data(), mixture_[1].data(), mixture_[2].data(),
+                 mixture_[3].data(), mixture_[4].data(), mixture_[5].data(), mixture_[6].data()};
     p.energy = energy_.data();
     p.maxLog = maxLog_.data();
     p.isotropic = isotropic;
@@ -186,14 +178,12 @@ void Group::evaluateShape(const Shape* shapes, float* overlap, float* norm)
     kernels_.evaluate(p, unknowns_.data(), overlap, norm, nullptr);
 }
 
-void Group::consider(const Shape* shapes, float* errors)
+void Group::consider(const Shape* shapes)
 {
     alignas(64) float overlap[kMaxLanes], norm[kMaxLanes];
     evaluateShape(shapes, overlap, norm);
     for (size_t lane = 0; lane < size_t(count_); ++lane) {
         const float error = 1.0f - overlap[lane] * overlap[lane] / (energy_[lane] * norm[lane]);
-        if (errors)
-            errors[lane] = error;
         if (error < bestError_[lane]) {
             best_[lane] = shapes[lane];
             bestError_[lane] = error;
@@ -201,20 +191,53 @@ void Group::consider(const Shape* shapes, float* errors)
     }
 }
 
-void Group::minimiseFrom(const Shape* starts, bool isotropic)
+void Group::search(Shape* shapes, float* errors, bool isotropic, bool exact)
 {
     for (int lane = 0; lane < lanes(); ++lane) {
-        const Shape& start = starts[lane < count_ ? lane : 0];
+        const Shape& start = shapes[lane < count_ ? lane : 0];
         // A lobe at the lowest power starts a little above it: there the gradient is alive.
         toUnknowns(isotropic ? isotropicShape(start) : start, maxLog_[size_t(lane)], 0.02, unknowns_, lane);
     }
-    alignas(64) float error[kMaxLanes];
-    const FitProblem p = problem(isotropic);
-    kernels_.minimise(p, unknowns_.data(), error);
-    std::array<Shape, kMaxLanes> shapes;
-    for (int lane = 0; lane < count_; ++lane)
-        shapes[size_t(lane)] = fromUnknowns(unknowns_, lane);
-    consider(shapes.data(), nullptr);
+    FitProblem p = problem(isotropic);
+    alignas(64) float found[kMaxLanes];
+    if (exact)
+        kernels_.minimise(p, unknowns_.data(), found);
+    else
+        kernels_.minimiseMixture(p, unknowns_.data(), found);
+    for (int lane = 0; lane < count_; ++lane) {
+        const size_t l = size_t(lane);
+        shapes[l] = fromUnknowns(unknowns_, lane);
+        errors[l] = found[l];
+        if (exact && found[l] < bestError_[l]) {
+            best_[l] = shapes[l];
+            bestError_[l] = found[l];
+        }
+    }
+}
+
+// The finer level's lobes as Gaussians. Lanes with fewer of them are padded with weightless ones.
+void Group::buildMixture()
+{
+    mixtureCount_ = 0;
+    for (size_t lane = 0; lane < size_t(count_); ++lane)
+        mixtureCount_ = std::max(mixtureCount_, tasks_[lane].childCount);
+    for (LaneArray& a : mixture_)
+        a.resize(size_t(mixtureCount_), lanes());
+    for (int lane = 0; lane < lanes(); ++lane) {
+        const TexelTask& task = tasks_[size_t(lane < count_ ? lane : 0)];
+        const bool black = luminance(task.mean.ks) <= 0.0;
+        for (size_t i = 0; i < size_t(mixtureCount_); ++i) {
+            const bool present = int(i) < task.childCount;
+            const TexelTask::Child child = present ? task.children[i] : task.children[0];
+            const Shape& s = child.shape;
+            const float nz = std::sqrt(std::max(1e-4f, 1.0f - s.nx * s.nx - s.ny * s.ny));
+            const float ks = black ? 1.0f : child.ks;
+            const float row[7] = {
+                s.nx, s.ny, nz, s.sxx, s.sxy, s.syy, present ? child.share * ks * nz : 0.0f};
+            for (int j = 0; j < 7; ++j)
+                mixture_[j].at(i, lane) = row[j];
+        }
+    }
 }
 
 void Group::write(bool closedForm)

@@ -9,9 +9,15 @@ namespace lumel::baker {
 
 // What the solver knows of one texel before it looks at its average reflectance.
 struct TexelTask {
-    Moments mean;                  // mean moments of its lobes
-    Shape shape;                   // closed-form lobe, when the method is not `fit`
-    std::array<Shape, 4> children; // fitted lobes of the finer level under it
+    Moments mean; // mean moments of its lobes
+    Shape shape;  // closed-form lobe, when the method is not `fit`
+    // Lobes of the finer level under it with their Ks (luminance) and share of the area.
+    struct Child {
+        Shape shape;
+        float ks, share;
+    };
+    static constexpr int kMostChildren = 9;
+    std::array<Child, kMostChildren> children;
     int childCount = 0;
     bool uniform = false;   // all its lobes are `shape`: the fit is that lobe, exactly
     float* texel = nullptr; // kChannels floats to fill
@@ -61,15 +67,15 @@ public:
 private:
     void averageChunk(const Lobes& lobes, const std::vector<Member>* members, size_t first, size_t count);
     void weighNodes();
-    void fit();
-    void fitIsotropic();
-    void fitAnisotropic();
-    void searchRanked(const std::vector<std::array<Shape, kMaxLanes>>& guesses, int searches, bool isotropic);
+    void buildMixture();
     void evaluateShape(const Shape* shapes, float* overlap, float* norm);
     // Evaluates one shape a lane with its best Ks; keeps it where it beats the best so far.
-    void consider(const Shape* shapes, float* errors);
-    // Searches from one start a lane and keeps what is better than the best so far.
-    void minimiseFrom(const Shape* starts, bool isotropic);
+    void consider(const Shape* shapes);
+    // Searches from one start a lane. `exact`: against the nodes, keeping what beats the best so far;
+    // otherwise against the mixture. Replaces the starts by what was found; errors[lane] too.
+    void search(Shape* shapes, float* errors, bool isotropic, bool exact);
+    void fit();
+    void chooseStarts(Shape* first, Shape* second, bool isotropic);
     bool settled() const; // no lane's error is worth another search
     void write(bool closedForm);
     FitProblem problem(bool isotropic);
@@ -80,12 +86,11 @@ private:
     int count_ = 0;
     size_t nodes_ = 0;
     std::array<TexelTask, kMaxLanes> tasks_;
-    std::array<bool, kMaxLanes> black_{};
-    LaneArray x_, y_, z_, area_, weight_, g_[3], batch_[9], unknowns_, rows_;
+    LaneArray x_, y_, z_, area_, weight_, g_[3], batch_[9], mixture_[7], unknowns_;
     // Best lobe of each lane so far.
     std::array<Shape, kMaxLanes> best_{};
     std::array<float, kMaxLanes> bestError_{};
-    std::array<Shape, kMaxLanes> peaks_{}; // the lobe at the highest node of G
+    int mixtureCount_ = 0;
     alignas(64) std::array<float, kMaxLanes> energy_{};
     alignas(64) std::array<float, kMaxLanes> maxLog_{};
 };

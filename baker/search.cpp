@@ -1,18 +1,17 @@
 // Which first guesses the minimiser starts from. The error has several minima as soon as the lobes
 // under a texel stand apart (a V-groove has one on each flank and a broad one between), so one start is
-// not enough: every guess is tried and the best result kept.
+// not enough. Every guess is searched from on a cheap stand-in for the error (fit_mixture.inl); the two
+// best minima found are then searched from exactly, and the best result kept.
 #include "group.h"
-#include <numeric>
 
 namespace lumel::baker {
 namespace {
 
 // Below this error the average is one bump and has one minimum: all starts end there.
-constexpr float kSettledError = 0.03f;
+constexpr float kSettledError = 0.02f;
+// Above this error no single lobe fits, and minima are many: try the isotropic ones too.
+constexpr float kHopelessError = 0.2f;
 constexpr float kNoError = 1e30f; // worse than any search
-
-constexpr int kIsotropicStarts = 3; // how many of the ranked guesses are searched from
-constexpr int kAnisotropicStarts = 2;
 
 // The talk's guess: under half of the finer power, never near 1.
 Shape halfPower(const TexelTask& task)
@@ -21,6 +20,27 @@ Shape halfPower(const TexelTask& task)
     shape.sxx = shape.syy = std::min(2.2f / scalarPower(shape), 0.4f);
     shape.sxy = 0.0f;
     return shape;
+}
+
+// Closed forms first, then the finer level's lobes.
+Shape guess(const TexelTask& task, int number)
+{
+    switch (number) {
+    case 0:
+        return leanShape(task.mean);
+    case 1:
+        return halfPower(task);
+    default:
+        return task.children[size_t(number - 2) % size_t(task.childCount)].shape;
+    }
+}
+
+// Do two lobes stand for different minima? Their normals lie a lobe's width apart or their powers
+// differ by half.
+bool distinct(const Shape& a, const Shape& b)
+{
+    const float dx = a.nx - b.nx, dy = a.ny - b.ny, power = scalarPower(a), ratio = power / scalarPower(b);
+    return (dx * dx + dy * dy) * power > 0.25f || ratio > 1.5f || ratio < 0.67f;
 }
 
 } // namespace
@@ -33,85 +53,72 @@ bool Group::settled() const
     return true;
 }
 
-// Ranks the guesses by their own error, lane by lane, and searches from the best `searches` of them.
-void Group::searchRanked(const std::vector<std::array<Shape, kMaxLanes>>& guesses, int searches,
-                         bool isotropic)
+// The two best distinct minima of the mixture's error.
+void Group::chooseStarts(Shape* first, Shape* second, bool isotropic)
 {
-    const size_t count = guesses.size();
-    std::vector<std::array<float, kMaxLanes>> errors(count);
-    for (size_t s = 0; s < count; ++s)
-        consider(guesses[s].data(), errors[s].data());
-    std::array<std::vector<size_t>, kMaxLanes> order;
-    for (size_t lane = 0; lane < size_t(count_); ++lane) {
-        order[lane].resize(count);
-        std::iota(order[lane].begin(), order[lane].end(), size_t(0));
-        std::stable_sort(order[lane].begin(), order[lane].end(),
-                         [&](size_t a, size_t b) { return errors[a][lane] < errors[b][lane]; });
-    }
-    for (size_t rank = 0; rank < std::min(count, size_t(searches)); ++rank) {
-        std::array<Shape, kMaxLanes> starts;
+    std::array<Shape, kMaxLanes> shapes;
+    std::array<float, kMaxLanes> errors, firstError, secondError;
+    firstError.fill(kNoError);
+    secondError.fill(kNoError);
+    for (int number = 0; number < 2 + mixtureCount_; ++number) {
         for (size_t lane = 0; lane < size_t(count_); ++lane)
-            starts[lane] = guesses[order[lane][rank]][lane];
-        minimiseFrom(starts.data(), isotropic);
-        if (settled())
-            return;
-    }
-}
-
-// Guesses that depend on the texel's own lobes only, so that both models search them alike.
-void Group::fitIsotropic()
-{
-    std::vector<std::array<Shape, kMaxLanes>> guesses(5);
-    for (size_t lane = 0; lane < size_t(count_); ++lane) {
-        const TexelTask& task = tasks_[lane];
-        guesses[0][lane] = isotropicShape(leanShape(task.mean));
-        guesses[1][lane] = isotropicShape(toksvigShape(task.mean));
-        guesses[2][lane] = isotropicShape(averageShape(task.mean));
-        guesses[3][lane] = halfPower(task);
-        guesses[4][lane] = isotropicShape(peaks_[lane]);
-    }
-    searchRanked(guesses, kIsotropicStarts, true);
-}
-
-void Group::fitAnisotropic()
-{
-    std::vector<std::array<Shape, kMaxLanes>> guesses(3);
-    for (size_t lane = 0; lane < size_t(count_); ++lane) {
-        guesses[0][lane] = leanShape(tasks_[lane].mean);
-        guesses[1][lane] = toksvigShape(tasks_[lane].mean);
-        guesses[2][lane] = averageShape(tasks_[lane].mean);
-    }
-    for (size_t i = 0; i < 4; ++i) {
-        guesses.emplace_back();
+            shapes[lane] = guess(tasks_[lane], number);
+        search(shapes.data(), errors.data(), isotropic, false);
         for (size_t lane = 0; lane < size_t(count_); ++lane) {
-            const TexelTask& task = tasks_[lane];
-            guesses.back()[lane] =
-                task.childCount > 0 ? task.children[i % size_t(task.childCount)] : peaks_[lane];
+            const bool other = number == 0 || distinct(shapes[lane], first[lane]);
+            if (errors[lane] < firstError[lane]) {
+                if (other && number > 0) {
+                    second[lane] = first[lane];
+                    secondError[lane] = firstError[lane];
+                }
+                first[lane] = shapes[lane];
+                firstError[lane] = errors[lane];
+            } else if (other && errors[lane] < secondError[lane]) {
+                second[lane] = shapes[lane];
+                secondError[lane] = errors[lane];
+            }
         }
     }
-    searchRanked(guesses, kAnisotropicStarts, false);
-    if (settled())
-        return;
-    // From the Blinn-Phong fit too: the result cannot be worse than it.
-    const std::array<Shape, kMaxLanes> soFar = best_;
-    const std::array<float, kMaxLanes> soFarError = bestError_;
-    bestError_.fill(kNoError);
-    fitIsotropic();
-    minimiseFrom(std::array(best_).data(), false);
+    // One minimum only: the closed form is the other start.
     for (size_t lane = 0; lane < size_t(count_); ++lane)
-        if (soFarError[lane] < bestError_[lane]) {
-            best_[lane] = soFar[lane];
-            bestError_[lane] = soFarError[lane];
-        }
+        if (secondError[lane] == kNoError)
+            second[lane] = guess(tasks_[lane], 0);
 }
 
 void Group::fit()
 {
+    const bool isotropic = options_.model == Model::blinnPhong;
     bestError_.fill(kNoError);
-    if (options_.model == Model::blinnPhong)
-        fitIsotropic();
-    else
-        fitAnisotropic();
+    buildMixture();
+    std::array<Shape, kMaxLanes> first, second;
+    std::array<float, kMaxLanes> errors;
+    chooseStarts(first.data(), second.data(), isotropic);
+    search(first.data(), errors.data(), isotropic, true);
+    if (settled())
+        return;
+    search(second.data(), errors.data(), isotropic, true);
+    if (!isotropic && *std::max_element(bestError_.begin(), bestError_.begin() + count_) > kHopelessError) {
+        chooseStarts(first.data(), second.data(), true);
+        for (std::array<Shape, kMaxLanes>* start : {&first, &second}) {
+            search(start->data(), errors.data(), true, true);
+            search(start->data(), errors.data(), false, true);
+        }
+    }
+    // No closed form of the family may beat the fit: where one does, search on from it.
+    const std::array<float, kMaxLanes> before = bestError_;
+    for (const auto& form : {leanShape, toksvigShape, averageShape}) {
+        std::array<Shape, kMaxLanes> shapes;
+        for (size_t lane = 0; lane < size_t(count_); ++lane) {
+            shapes[lane] = form(tasks_[lane].mean);
+            if (isotropic)
+                shapes[lane] = isotropicShape(shapes[lane]);
+        }
+        consider(shapes.data());
+    }
+    if (bestError_ != before) {
+        first = best_;
+        search(first.data(), errors.data(), isotropic, true);
+    }
 }
 
 } // namespace lumel::baker

@@ -1,0 +1,119 @@
+// A lobe and half vectors seen from it. See shaders/shared/lobe.h for the formula.
+
+// A unit normal and its frame (shaders/shared/lobe.h): Tu.h = (h.x - N.x c) / r,
+// Tv.h = (N.z h.y - N.y h.z) / r, c = N.h, r = sqrt(1 - N.x^2).
+struct Frame {
+    V nx, ny, nz, r, inverseR;
+};
+LUMEL_INLINE Frame makeFrame(V nx, V ny)
+{
+    Frame f;
+    f.nx = nx;
+    f.ny = ny;
+    f.nz = squareRoot(maximum(1.0f - nx * nx - ny * ny, splat(1e-4f)));
+    f.r = squareRoot(maximum(1.0f - nx * nx, splat(1e-4f)));
+    f.inverseR = 1.0f / f.r;
+    return f;
+}
+
+// The falloff k(s) = -log(1 - s) / (2 s) without logarithm or cancellation: with c = N.h = cos theta
+// and u = tan^2(theta / 2) = s / (1 + c)^2, log c = -2 atanh u and s = 4 u / (1 + u)^2, so
+//     k = (1 + u)^2 T(u^2) / 2,    c dk/ds = (1 + u)^3 (T + 2 (1 + u) u^2 T'(u^2)) / 4.
+struct Point {
+    V a, b, c, s, u, v, t, k;
+};
+LUMEL_INLINE Point locate(const Frame& f, V hx, V hy, V hz)
+{
+    Point p;
+    p.c = f.nx * hx + f.ny * hy + f.nz * hz;
+    p.a = (hx - f.nx * p.c) * f.inverseR;
+    p.b = (f.nz * hy - f.ny * hz) * f.inverseR;
+    p.s = p.a * p.a + p.b * p.b;
+    const V inverse = 1.0f / (1.0f + maximum(p.c, splat(0.0f)));
+    p.u = p.s * inverse * inverse;
+    p.v = minimum(p.u * p.u, splat(1.0f));
+    p.t = areaTangent(p.v);
+    p.k = 0.5f * (1.0f + p.u) * (1.0f + p.u) * p.t;
+    return p;
+}
+
+// A lobe during the fit: what its unknowns stand for.
+struct Lobe {
+    Frame frame;
+    V e1, e2, l3, pxx, pxy, pyy, det, detPlus; // detPlus = det(P + I)
+    I outside, freeL1, freeL2;                 // masks: N beyond the disc; l1, l2 not at a bound
+};
+
+LUMEL_INLINE Lobe makeLobe(const FitProblem& problem, V nx, V ny, V l1, V l2, V l3)
+{
+    constexpr float kRim = 0.98f, kLowestLog = -3.5f, kLargestShear = 64.0f;
+    Lobe lobe;
+    const V r2 = nx * nx + ny * ny;
+    lobe.outside = r2 > kRim;
+    const V scale = lobe.outside ? squareRoot(kRim / r2) : splat(1.0f);
+    lobe.frame = makeFrame(nx * scale, ny * scale);
+    const V highest = load(problem.maxLog);
+    lobe.freeL1 = (l1 > kLowestLog) & (l1 < highest);
+    lobe.freeL2 = (l2 > kLowestLog) & (l2 < highest);
+    lobe.e1 = exponential(minimum(maximum(l1, splat(kLowestLog)), highest));
+    lobe.e2 = exponential(minimum(maximum(l2, splat(kLowestLog)), highest));
+    lobe.l3 = minimum(maximum(l3, splat(-kLargestShear)), splat(kLargestShear));
+    const V shear = lobe.l3 * lobe.e2;
+    lobe.pxx = 1.0f + lobe.e1 * lobe.e1;
+    lobe.pxy = lobe.e1 * shear;
+    lobe.pyy = 1.0f + lobe.e2 * lobe.e2 + shear * shear;
+    // det(I + U^T U) = 1 + |U|^2 + det(U)^2, free of cancellation; the same with 2 I.
+    const V trace = lobe.e1 * lobe.e1 + lobe.e2 * lobe.e2 + shear * shear;
+    const V detU = lobe.e1 * lobe.e2;
+    lobe.det = 1.0f + trace + detU * detU;
+    lobe.detPlus = 4.0f + 2.0f * trace + detU * detU;
+    return lobe;
+}
+
+// Derivatives of ln(<G,f>^2 / <f,f>): for tilting the frame by alpha (towards Tu) and beta (towards Tv)
+// and twisting it by gamma about N, with P fixed; and for the entries of P.
+struct LogSlopes {
+    V alpha, beta, gamma, pxx, pxy, pyy;
+};
+
+// Gradient of the error 1 - R in (N.x, N.y, l1, l2, l3), where R = `explained`. Moving N by (dx, dy)
+// on the disc tilts the frame by alpha = Tu.dN = dx / r and beta = Tv.dN = (N.x N.y dx + r^2 dy) /
+// (N.z r), and twists it by gamma = -N.x beta / r.
+LUMEL_INLINE void gradientOf(const Lobe& lobe, const LogSlopes& d, V explained, V* gradient)
+{
+    const Frame& f = lobe.frame;
+    const V inverseNz = 1.0f / f.nz;
+    const V beta = d.beta - d.gamma * f.nx * f.inverseR;
+    const V shear = lobe.l3 * lobe.e2;
+    // P = I + U^T U with U = [e1, shear; 0, e2].
+    const V g1 = 2.0f * lobe.e1 * (d.pxx * lobe.e1 + d.pxy * shear);
+    const V g2 = 2.0f * (d.pxy * lobe.e1 * shear + d.pyy * (lobe.e2 * lobe.e2 + shear * shear));
+    const V g3 = 2.0f * lobe.e2 * (d.pxy * lobe.e1 + d.pyy * shear);
+    gradient[0] = -explained * (d.alpha * f.inverseR + beta * f.nx * f.ny * f.inverseR * inverseNz);
+    gradient[1] = -explained * beta * f.r * inverseNz;
+    gradient[2] = lobe.freeL1 ? -explained * g1 : V{};
+    gradient[3] = lobe.freeL2 ? -explained * g2 : V{};
+    gradient[4] = -explained * g3;
+}
+
+// The unknowns of one search in units of the start's own extent: N = origin + B (x0, x1), l1, l2, l3.
+// The isotropic model ties l1 = l2 and l3 = 0.
+struct Scaling {
+    V originX, originY, b11, b21, b22;
+    bool isotropic;
+
+    LUMEL_INLINE Lobe lobe(const FitProblem& problem, const V* x) const
+    {
+        return makeLobe(problem, originX + b11 * x[0], originY + b21 * x[0] + b22 * x[1], x[2],
+                        isotropic ? x[2] : x[3], isotropic ? V{} : x[4]);
+    }
+    LUMEL_INLINE void scale(V* gradient) const
+    {
+        gradient[0] = b11 * gradient[0] + b21 * gradient[1];
+        gradient[1] = b22 * gradient[1];
+        if (isotropic) {
+            gradient[2] += gradient[3];
+            gradient[3] = gradient[4] = V{};
+        }
+    }
+};
