@@ -15,6 +15,8 @@ public:
     // Without a usable cache folder: one warning, and an always empty cache.
     BakeCache(const Scene& scene, const MaterialOptions& options);
 
+    bool usable() const { return folder_.has_value(); }
+
     // Hash over the encoded images, factors, options and versions: nothing has to be decoded to know it.
     std::string key(const Material& material) const;
 

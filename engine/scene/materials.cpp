@@ -54,6 +54,9 @@ std::vector<BakedMaterial> bakeMaterials(const Scene& scene, const MaterialOptio
         // give the same picture.
         if (auto stored = cache.load(key, material))
             all.back() = std::move(*stored);
+        else if (cache.usable())
+            spdlog::warn("{}: material '{}' cannot be read back from the cache; it is baked anew each time",
+                         scene.file.string(), material.name);
         ++bakedCount;
     }
     if (bakedCount > 0) {
