@@ -27,6 +27,12 @@ std::vector<Level> Chain::run()
     for (int number = 1; number < count; ++number)
         levels_[size_t(number)].texels.resize(size_t(levels_[size_t(number)].width) *
                                               size_t(levels_[size_t(number)].height) * kChannels);
+    if (options_.method == Method::fit && options_.model == Model::blinnPhong)
+        for (const Level& level : levels_) {
+            shadows_.push_back({level.width, level.height, {}});
+            if (shadows_.size() > 1) // level 0 is the input in both
+                shadows_.back().texels.resize(level.texels.size());
+        }
     for (int number = 1; number < std::min(count, kLastFineLevel + 1); ++number)
         fineLevel(number);
     if (count > kLastFineLevel + 1)
@@ -77,8 +83,14 @@ TexelTask Chain::makeTask(int number, int x, int y, const Moments& mean)
         task.shape = closedFormShape(options_.method, mean, normal);
         return task;
     }
-    // The finer level's lobes under this texel; level 1 sits on the input itself.
-    const Level& finer = levels_[size_t(number - 1)];
+    // The finer level's lobes under this texel; level 1 sits on the input itself. An isotropic chain
+    // takes them from the anisotropic fits beside it, which say more about G and make both models
+    // search from the same guesses.
+    const bool shadowed = !shadows_.empty();
+    if (shadowed)
+        task.shadow = shadows_[size_t(number)].texels.data() +
+                      (size_t(y) * size_t(level.width) + size_t(x)) * kChannels;
+    const Level& finer = (shadowed && number > 1 ? shadows_ : levels_)[size_t(number - 1)];
     const Footprint fx(x, level.width, finer.width), fy(y, level.height, finer.height);
     const double area = (fx.end - fx.begin) * (fy.end - fy.begin);
     for (int j = fy.first; j < fy.last; ++j)

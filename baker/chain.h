@@ -28,6 +28,7 @@ private:
     Source source_;
     std::unique_ptr<HeightMips> heights_;
     std::vector<Level> levels_;
+    std::vector<Level> shadows_; // anisotropic fits beside an isotropic chain
 
     friend class FineTile;
     friend class CoarseCells;

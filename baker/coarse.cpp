@@ -80,41 +80,24 @@ void CoarseCells::averageCells()
     Lattice::planShared(lower, upper, all.energyPower / all.energy, nodes_);
     const size_t stride = nodes_.size() * size_t(channels_);
     g_.resize(stride * cells_.size());
-    const int lanes = kernels().lanes;
-    const int groups = (int(cells_.size()) + lanes - 1) / lanes;
-    tbb::parallel_for(tbb::blocked_range<int>(0, groups), [&](const auto& range) {
-        Group group(chain_.options_, chain_.source_.isotropic(), chain_.source_.colouredSpecular());
-        Lobes lobes, cellLobes;
-        std::array<std::vector<Member>, kMaxLanes> members;
-        for (int g = range.begin(); g < range.end(); ++g) {
-            const int first = g * lanes, count = std::min(lanes, int(cells_.size()) - first);
-            group.begin(count, nodes_.size());
-            size_t total = 0;
-            for (int lane = 0; lane < count; ++lane) {
-                gather(first + lane, cellLobes, members[size_t(lane)]);
-                lobes.append(cellLobes, total);
-                for (Member& m : members[size_t(lane)])
-                    m.lobe += uint32_t(total);
-                total += cellLobes.size();
-                group.setNodes(lane, nodes_);
-                TexelTask task;
-                // Where the whole map is black, its shape is fitted as if it were white.
-                task.mean.ks = luminance(all.ks) > 0.0 ? glm::dvec3(1.0) : glm::dvec3(0.0);
-                group.setTask(lane, task);
-            }
-            group.average(lobes, members.data());
-            for (int lane = 0; lane < count; ++lane)
-                for (int c = 0; c < channels_; ++c)
-                    for (size_t k = 0; k < nodes_.size(); ++k)
-                        g_[size_t(first + lane) * stride + size_t(c) * nodes_.size() + k] =
-                            group.g(c)[k * size_t(lanes) + size_t(lane)];
+    // Where the whole map is black, its shape is fitted as if it were white.
+    const bool black = luminance(all.ks) <= 0.0;
+    tbb::parallel_for(tbb::blocked_range<int>(0, across_ * down_), [&](const auto& range) {
+        Averager averager(chain_.source_.isotropic(), chain_.source_.colouredSpecular());
+        Lobes lobes;
+        std::vector<Member> members;
+        for (int cell = range.begin(); cell < range.end(); ++cell) {
+            gather(cell, lobes, members);
+            averager.average(lobes, members, black, nodes_);
+            for (int c = 0; c < channels_; ++c)
+                std::copy_n(averager.g()[c], nodes_.size(),
+                            g_.begin() + std::ptrdiff_t(size_t(cell) * stride + size_t(c) * nodes_.size()));
         }
     });
 }
 
 // Sums the cells under a texel and keeps the nodes where its average reflectance is not negligible.
-void CoarseCells::solveTexel(int number, int x, int y, std::vector<Node>& nodes, std::vector<float>* g,
-                             TexelTask& task)
+void CoarseCells::addTexel(int number, int x, int y, Solver& solver) const
 {
     const Level& level = chain_.levels_[size_t(number)];
     const Footprint fx(x, level.width, chain_.source_.width()), fy(y, level.height, chain_.source_.height());
@@ -138,55 +121,45 @@ void CoarseCells::solveTexel(int number, int x, int y, std::vector<Node>& nodes,
             uniform = uniform && cells_[c].uniform && a.nx == b.nx && a.ny == b.ny && a.sxx == b.sxx &&
                       a.sxy == b.sxy && a.syy == b.syy;
         }
-    task = chain_.makeTask(number, x, y, sum.mean());
+    TexelTask task = chain_.makeTask(number, x, y, sum.mean());
     task.uniform = uniform && chain_.options_.method == Method::fit;
     if (task.uniform)
         task.shape = front.shape;
     double peak = 0.0;
     for (double v : total)
         peak = std::max(peak, v);
-    nodes.clear();
-    for (int c = 0; c < channels_; ++c)
-        g[c].clear();
+    NodeSet nodes;
+    std::vector<float> g[3];
     for (size_t k = 0; k < count; ++k) {
         double here = 0.0;
         for (int c = 0; c < channels_; ++c)
             here = std::max(here, total[size_t(c) * count + k]);
         if (here < 1e-5 * peak)
             continue;
-        nodes.push_back(nodes_[k]);
+        nodes.add(nodes_.x[k], nodes_.y[k], nodes_.z[k], nodes_.area[k]);
         for (int c = 0; c < channels_; ++c)
             g[c].push_back(float(total[size_t(c) * count + k] / sum.weight));
     }
+    nodes.pad();
+    for (auto& channel : g)
+        channel.resize(nodes.size(), 0.0f);
+    const float* const pointers[3] = {g[0].data(), g[1].data(), g[2].data()};
+    solver.add(task, nodes, pointers);
 }
 
 void CoarseCells::solveLevel(int number)
 {
     const Level& level = chain_.levels_[size_t(number)];
-    const int total = level.width * level.height, lanes = kernels().lanes;
-    tbb::parallel_for(tbb::blocked_range<int>(0, (total + lanes - 1) / lanes), [&](const auto& range) {
-        Group group(chain_.options_, chain_.source_.isotropic(), chain_.source_.colouredSpecular());
-        std::array<std::vector<Node>, kMaxLanes> nodes;
-        std::array<std::array<std::vector<float>, 3>, kMaxLanes> g;
-        std::array<TexelTask, kMaxLanes> tasks;
-        for (int i = range.begin(); i < range.end(); ++i) {
-            const int first = i * lanes, count = std::min(lanes, total - first);
-            size_t most = 0;
-            for (int lane = 0; lane < count; ++lane) {
-                const int t = first + lane;
-                const size_t l = size_t(lane);
-                solveTexel(number, t % level.width, t / level.width, nodes[l], g[l].data(), tasks[l]);
-                most = std::max(most, nodes[l].size());
-            }
-            group.begin(count, most);
-            for (int lane = 0; lane < count; ++lane) {
-                const auto& a = g[size_t(lane)];
-                const float* averages[3] = {a[0].data(), a[1].data(), a[2].data()};
-                group.setAveragedNodes(lane, nodes[size_t(lane)], averages);
-                group.setTask(lane, tasks[size_t(lane)]);
-            }
-            group.finish();
-            chain_.advance(size_t(count) << (2 * number));
+    const int total = level.width * level.height;
+    constexpr int kBatch = 64;
+    tbb::parallel_for(tbb::blocked_range<int>(0, (total + kBatch - 1) / kBatch), [&](const auto& range) {
+        Solver solver(chain_.options_, chain_.source_.colouredSpecular());
+        for (int batch = range.begin(); batch < range.end(); ++batch) {
+            const int end = std::min((batch + 1) * kBatch, total);
+            for (int t = batch * kBatch; t < end; ++t)
+                addTexel(number, t % level.width, t / level.width, solver);
+            solver.solve();
+            chain_.advance(size_t(end - batch * kBatch) << (2 * number));
         }
     });
 }

@@ -1,7 +1,8 @@
 // The coarse levels: average reflectance on shared nodes, summed from cells.
 #pragma once
+#include "averager.h"
 #include "chain.h"
-#include "group.h"
+#include "solver.h"
 
 namespace lumel::baker {
 
@@ -23,14 +24,13 @@ private:
     void gather(int cell, Lobes& lobes, std::vector<Member>& members) const;
     void gatherMoments();
     void averageCells();
-    void solveTexel(int number, int x, int y, std::vector<Node>& nodes, std::vector<float>* g,
-                    TexelTask& task);
+    void addTexel(int number, int x, int y, Solver& solver) const;
 
     Chain& chain_;
     std::vector<double> cutsX_, cutsY_;
     int across_ = 0, down_ = 0;
     std::vector<Cell> cells_;
-    std::vector<Node> nodes_;
+    NodeSet nodes_;
     int channels_ = 1;
     std::vector<float> g_; // [cell][channel][node], area-weighted sums
 };

@@ -1,7 +1,8 @@
-// A tile of a fine level: gathers the lobes under each texel and hands groups of texels to the solver.
+// A tile of a fine level: gathers the lobes under each texel and hands the texels to the solver.
 #pragma once
+#include "averager.h"
 #include "chain.h"
-#include "group.h"
+#include "solver.h"
 
 namespace lumel::baker {
 
@@ -12,20 +13,17 @@ public:
     void run(int number, int x0, int y0, int size);
 
 private:
-    struct Texel {
-        TexelTask task;
-        std::vector<Member> members;
-        std::vector<Node> nodes;
-    };
     void readLobes(int number, int x0, int y0, int x1, int y1);
-    void prepare(int number, int x, int y, Texel& texel);
+    void addTexel(int number, int x, int y);
 
     Chain& chain_;
-    Group group_;
+    Solver solver_;
+    Averager averager_;
+    Lattice lattice_;
     Lobes lobes_;
     int originX_ = 0, originY_ = 0, rectWidth_ = 0;
-    std::vector<Texel> texels_;
-    std::vector<size_t> order_;
+    std::vector<Member> members_;
+    NodeSet nodes_;
 };
 
 // True when all members are one and the same lobe; `shape` then is that lobe.

@@ -8,25 +8,23 @@
 //           = N.z pi det P / sqrt(det(P + I)),
 // exact but for the part of the lobe that the rim of the disc cuts off.
 
-// Sums over the nodes of weight * f times: 1, c k e, c k' q e, k e e^T.
+// Sums over the nodes [count][x, y, z, weight][lanes] of weight * f times: 1, c k e, c k' q e, k e e^T.
 struct Sums {
     V one, ka, kb, qa, qb, maa, mab, mbb;
 };
 
-template<bool kGradient>
-LUMEL_INLINE Sums sumNodes(const NodeBlock& nodes, const Lobe& lobe)
+LUMEL_INLINE Sums sumNodes(const float* nodes, int count, const Lobe& lobe)
 {
     Sums sum{};
     const V pxy2 = 2.0f * lobe.pxy;
-    for (int k = 0; k < nodes.count; ++k) {
-        const Point p =
-            locate(lobe.frame, load(nodes.x + k * W), load(nodes.y + k * W), load(nodes.z + k * W));
+    for (int k = 0; k < count; ++k, nodes += 4 * W) {
+        const Point p = locate(lobe.frame, load(nodes), load(nodes + W), load(nodes + 2 * W));
         const V aa = p.a * p.a, ab = p.a * p.b, bb = p.b * p.b;
         const V q = lobe.pxx * aa + pxy2 * ab + lobe.pyy * bb;
-        const V weight = p.c > 0.0f ? load(nodes.weight + k * W) : V{};
+        const V weight = p.c > 0.0f ? load(nodes + 3 * W) : V{};
         const V wf = weight * exponential(-q * p.k);
         sum.one += wf;
-        if (kGradient) {
+        {
             const V u1 = 1.0f + p.u;
             const V slope = 0.25f * u1 * u1 * u1 * (p.t + 2.0f * u1 * p.v * areaTangentSlope(p.v));
             const V wfk = wf * p.k;
@@ -74,33 +72,26 @@ LUMEL_INLINE LogSlopes slopesOf(const Lobe& lobe, const Sums& sum)
     return d;
 }
 
-void evaluate(const FitProblem& problem, const float* x, float* overlap, float* norm, float* gradient)
-{
-    const Lobe lobe = makeLobe(problem, load(x + kX * W), load(x + kY * W), load(x + kL1 * W),
-                               load(x + kL2 * W), load(x + kL3 * W));
-    const Sums sum = gradient ? sumNodes<true>(problem.nodes, lobe) : sumNodes<false>(problem.nodes, lobe);
-    const Overlap o = overlapOf(lobe, sum);
-    store(overlap, o.gf);
-    store(norm, o.ff);
-    if (gradient) {
-        V g[5];
-        gradientOf(lobe, slopesOf(lobe, sum), o.gf * o.gf / (load(problem.energy) * o.ff), g);
-        for (int j = 0; j < 5; ++j)
-            store(gradient + j * W, g[j]);
-    }
-}
-
 // The error against the nodes.
 struct ExactObjective {
-    const FitProblem& problem;
-    Scaling scaling;
+    static constexpr int kRow = 4;
+    const float* rows; // [count][kRow][lanes]
+    int count = 0;
 
-    LUMEL_INLINE V operator()(const V* x, V* gradient) const
+    static int size(const FitJob& job) { return job.nodes.count; }
+    static void fill(const FitJob& job, int k, float* to)
     {
-        const Lobe lobe = scaling.lobe(problem, x);
-        const Sums sum = sumNodes<true>(problem.nodes, lobe);
+        to[0] = job.nodes.x[k];
+        to[W] = job.nodes.y[k];
+        to[2 * W] = job.nodes.z[k];
+        to[3 * W] = job.nodes.weight[k];
+    }
+    LUMEL_INLINE V operator()(const Scaling& scaling, const V* x, V* gradient) const
+    {
+        const Lobe lobe = scaling.lobe(x);
+        const Sums sum = sumNodes(rows, count, lobe);
         const Overlap o = overlapOf(lobe, sum);
-        const V explained = o.gf * o.gf / (load(problem.energy) * o.ff);
+        const V explained = o.gf * o.gf / (scaling.energy * o.ff);
         gradientOf(lobe, slopesOf(lobe, sum), explained, gradient);
         scaling.scale(gradient);
         // N beyond the disc: a step too far, whatever its sum says.

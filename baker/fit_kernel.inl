@@ -17,6 +17,6 @@ namespace {
 } // namespace
 
 extern const Kernels LUMEL_KERNELS;
-const Kernels LUMEL_KERNELS = {LUMEL_NAME, W, average, evaluate, minimise, minimiseMixture};
+const Kernels LUMEL_KERNELS = {LUMEL_NAME, W, average, minimise, minimiseMixtures, evaluate};
 
 } // namespace lumel::baker

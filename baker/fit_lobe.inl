@@ -44,7 +44,7 @@ struct Lobe {
     I outside, freeL1, freeL2;                 // masks: N beyond the disc; l1, l2 not at a bound
 };
 
-LUMEL_INLINE Lobe makeLobe(const FitProblem& problem, V nx, V ny, V l1, V l2, V l3)
+LUMEL_INLINE Lobe makeLobe(V maxLog, V nx, V ny, V l1, V l2, V l3)
 {
     constexpr float kRim = 0.98f, kLowestLog = -3.5f, kLargestShear = 64.0f;
     Lobe lobe;
@@ -52,11 +52,10 @@ LUMEL_INLINE Lobe makeLobe(const FitProblem& problem, V nx, V ny, V l1, V l2, V 
     lobe.outside = r2 > kRim;
     const V scale = lobe.outside ? squareRoot(kRim / r2) : splat(1.0f);
     lobe.frame = makeFrame(nx * scale, ny * scale);
-    const V highest = load(problem.maxLog);
-    lobe.freeL1 = (l1 > kLowestLog) & (l1 < highest);
-    lobe.freeL2 = (l2 > kLowestLog) & (l2 < highest);
-    lobe.e1 = exponential(minimum(maximum(l1, splat(kLowestLog)), highest));
-    lobe.e2 = exponential(minimum(maximum(l2, splat(kLowestLog)), highest));
+    lobe.freeL1 = (l1 > kLowestLog) & (l1 < maxLog);
+    lobe.freeL2 = (l2 > kLowestLog) & (l2 < maxLog);
+    lobe.e1 = exponential(minimum(maximum(l1, splat(kLowestLog)), maxLog));
+    lobe.e2 = exponential(minimum(maximum(l2, splat(kLowestLog)), maxLog));
     lobe.l3 = minimum(maximum(l3, splat(-kLargestShear)), splat(kLargestShear));
     const V shear = lobe.l3 * lobe.e2;
     lobe.pxx = 1.0f + lobe.e1 * lobe.e1;
@@ -96,15 +95,15 @@ LUMEL_INLINE void gradientOf(const Lobe& lobe, const LogSlopes& d, V explained, 
     gradient[4] = -explained * g3;
 }
 
-// The unknowns of one search in units of the start's own extent: N = origin + B (x0, x1), l1, l2, l3.
-// The isotropic model ties l1 = l2 and l3 = 0.
+// The unknowns of the searches in units of their starts' own extents: N = origin + B (x0, x1), l1, l2,
+// l3. The isotropic model ties l1 = l2 and l3 = 0.
 struct Scaling {
-    V originX, originY, b11, b21, b22;
+    V originX, originY, b11, b21, b22, maxLog, energy;
     bool isotropic;
 
-    LUMEL_INLINE Lobe lobe(const FitProblem& problem, const V* x) const
+    LUMEL_INLINE Lobe lobe(const V* x) const
     {
-        return makeLobe(problem, originX + b11 * x[0], originY + b21 * x[0] + b22 * x[1], x[2],
+        return makeLobe(maxLog, originX + b11 * x[0], originY + b21 * x[0] + b22 * x[1], x[2],
                         isotropic ? x[2] : x[3], isotropic ? V{} : x[4]);
     }
     LUMEL_INLINE void scale(V* gradient) const

@@ -9,21 +9,20 @@ struct MixtureSums {
     V overlap, alpha, beta, gamma, txx, txy, tyy; // dC by tilt, twist and entries of T
 };
 
-LUMEL_INLINE MixtureSums sumMixture(const MixtureBlock& mixture, const Lobe& lobe, V sxx, V sxy, V syy)
+LUMEL_INLINE MixtureSums sumMixture(const float* row, int count, const Lobe& lobe, V sxx, V sxy, V syy)
 {
     MixtureSums sum{};
     const Frame& f = lobe.frame;
-    for (int i = 0; i < mixture.count; ++i) {
-        const V hx = load(mixture.nx + i * W), hy = load(mixture.ny + i * W), hz = load(mixture.nz + i * W);
+    for (int i = 0; i < count; ++i, row += 7 * W) {
+        const V hx = load(row), hy = load(row + W), hz = load(row + 2 * W);
         const V c = f.nx * hx + f.ny * hy + f.nz * hz;
         const V a = (hx - f.nx * c) * f.inverseR, b = (f.nz * hy - f.ny * hz) * f.inverseR;
-        const V txx = sxx + load(mixture.sxx + i * W);
-        const V txy = sxy + load(mixture.sxy + i * W);
-        const V tyy = syy + load(mixture.syy + i * W);
+        const V txx = sxx + load(row + 3 * W);
+        const V txy = sxy + load(row + 4 * W);
+        const V tyy = syy + load(row + 5 * W);
         const V inverseDet = 1.0f / (txx * tyy - txy * txy);
         const V ma = (tyy * a - txy * b) * inverseDet, mb = (txx * b - txy * a) * inverseDet;
-        const V value =
-            load(mixture.amplitude + i * W) * squareRoot(inverseDet) * exponential(-0.5f * (a * ma + b * mb));
+        const V value = load(row + 6 * W) * squareRoot(inverseDet) * exponential(-0.5f * (a * ma + b * mb));
         sum.overlap += value;
         sum.alpha += value * ma * c;
         sum.beta += value * mb * c;
@@ -36,15 +35,24 @@ LUMEL_INLINE MixtureSums sumMixture(const MixtureBlock& mixture, const Lobe& lob
 }
 
 struct MixtureObjective {
-    const FitProblem& problem;
-    Scaling scaling;
+    static constexpr int kRow = 7;
+    const float* rows; // [count][kRow][lanes]
+    int count = 0;
 
-    LUMEL_INLINE V operator()(const V* x, V* gradient) const
+    static int size(const FitJob& job) { return job.mixtureCount; }
+    static void fill(const FitJob& job, int i, float* to)
     {
-        const Lobe lobe = scaling.lobe(problem, x);
+        const MixtureTerm& m = job.mixture[i];
+        const float values[kRow] = {m.nx, m.ny, m.nz, m.sxx, m.sxy, m.syy, m.amplitude};
+        for (int j = 0; j < kRow; ++j)
+            to[j * W] = values[j];
+    }
+    LUMEL_INLINE V operator()(const Scaling& scaling, const V* x, V* gradient) const
+    {
+        const Lobe lobe = scaling.lobe(x);
         const V inverseDet = 1.0f / lobe.det;
         const V sxx = lobe.pyy * inverseDet, sxy = -lobe.pxy * inverseDet, syy = lobe.pxx * inverseDet;
-        const MixtureSums sum = sumMixture(problem.mixture, lobe, sxx, sxy, syy);
+        const MixtureSums sum = sumMixture(rows, count, lobe, sxx, sxy, syy);
         const Frame& f = lobe.frame;
         const V inverse = 2.0f / maximum(sum.overlap, splat(1e-30f));
         LogSlopes d;
@@ -60,7 +68,7 @@ struct MixtureObjective {
         d.pyy = -half * (bx * sxy + by * syy) - 0.5f * syy;
         constexpr float kPi = 3.14159265f;
         const V overlap = 2.0f * kPi * sum.overlap;
-        const V explained = overlap * overlap / (load(problem.energy) * kPi * f.nz * squareRoot(lobe.det));
+        const V explained = overlap * overlap / (scaling.energy * kPi * f.nz * squareRoot(lobe.det));
         gradientOf(lobe, d, explained, gradient);
         scaling.scale(gradient);
         return lobe.outside ? splat(4.0f) : 1.0f - explained;

@@ -27,29 +27,56 @@ LUMEL_INLINE void updateHessian(Hessian& hessian, const V* s, const V* y, I mask
             hessian.h[i][j] += scale * s[i] * s[j] - inverse * (hy[i] * s[j] + s[i] * hy[j]);
 }
 
-// The searches of all lanes: one texel a lane, each at its own point.
+// The searches of all lanes: one job a lane, each at its own point.
 template<class Objective>
 struct Search {
-    const Objective& objective;
+    Objective objective;
+    Scaling scaling{};
     const int n; // unknowns
-    V x[5], f, g[5];
-    V direction[5], step, slope;
-    Hessian hessian;
-    I active; // lanes still searching
-    I fresh;  // lanes that need a new direction
+    V x[5]{}, f{}, g[5]{};
+    V direction[5]{}, step{}, slope{};
+    Hessian hessian{};
+    I active{}; // lanes at work
+    I fresh{};  // lanes that need a new direction
+    I first{};  // lanes that evaluate their start
 
-    Search(const Objective& o, const float* start, bool isotropic) : objective(o), n(isotropic ? 3 : 5)
+    Search(const float* rows, bool isotropic) : objective{rows}, n(isotropic ? 3 : 5)
     {
-        x[0] = x[1] = V{};
-        for (int i = 2; i < 5; ++i)
-            x[i] = load(start + (kL1 + i - 2) * W);
-        f = objective(x, g);
-        step = slope = V{};
-        for (int i = 0; i < 5; ++i)
-            direction[i] = V{};
-        hessian = Hessian{};
-        resetHessian(I{} == 0);
-        active = fresh = f < 2.0f;
+        scaling.isotropic = isotropic;
+        // Idle lanes compute on harmless numbers.
+        scaling.originX = scaling.originY = scaling.b21 = V{};
+        scaling.b11 = scaling.b22 = scaling.energy = scaling.maxLog = splat(1.0f);
+    }
+
+    void start(int lane, const FitJob& job)
+    {
+        scaling.originX[lane] = job.unknowns[kX];
+        scaling.originY[lane] = job.unknowns[kY];
+        scaling.b11[lane] = job.unknowns[kB11];
+        scaling.b21[lane] = job.unknowns[kB21];
+        scaling.b22[lane] = job.unknowns[kB22];
+        scaling.maxLog[lane] = job.maxLog;
+        scaling.energy[lane] = job.energy;
+        for (int i = 0; i < 5; ++i) {
+            x[i][lane] = i < 2 ? 0.0f : job.unknowns[kL1 + i - 2];
+            g[i][lane] = direction[i][lane] = 0.0f;
+        }
+        f[lane] = 1e30f;
+        step[lane] = 1.0f;
+        slope[lane] = 0.0f;
+        active[lane] = first[lane] = -1;
+        fresh[lane] = 0; // its start is the first trial
+    }
+
+    void finish(int lane, FitJob& job) const
+    {
+        job.unknowns[kX] = scaling.originX[lane] + scaling.b11[lane] * x[0][lane];
+        job.unknowns[kY] =
+            scaling.originY[lane] + scaling.b21[lane] * x[0][lane] + scaling.b22[lane] * x[1][lane];
+        job.unknowns[kL1] = x[2][lane];
+        job.unknowns[kL2] = scaling.isotropic ? x[2][lane] : x[3][lane];
+        job.unknowns[kL3] = scaling.isotropic ? 0.0f : x[4][lane];
+        job.error = f[lane];
     }
 
     // Near a good fit the error is a paraboloid of curvature 1 in the scaled unknowns, 2 where one
@@ -92,16 +119,17 @@ struct Search {
     LUMEL_INLINE void advance(float tolerance)
     {
         constexpr float kArmijo = 1e-4f;
+        resetHessian(first);
         V trial[5], trialG[5], s[5], y[5], largest{};
-        for (int i = 0; i < n; ++i)
-            trial[i] = x[i] + step * direction[i];
-        const V trialF = objective(trial, trialG);
-        const I accepted = active & (trialF <= f + kArmijo * step * slope);
+        for (int i = 0; i < 5; ++i)
+            trial[i] = i < n ? x[i] + step * direction[i] : V{};
+        const V trialF = objective(scaling, trial, trialG);
+        const I accepted = active & ((trialF <= f + kArmijo * step * slope) | first);
         for (int i = 0; i < n; ++i) {
             s[i] = trial[i] - x[i];
             y[i] = trialG[i] - g[i];
         }
-        updateHessian(hessian, s, y, accepted, n);
+        updateHessian(hessian, s, y, accepted & ~first, n);
         for (int i = 0; i < n; ++i) {
             x[i] = accepted ? trial[i] : x[i];
             g[i] = accepted ? trialG[i] : g[i];
@@ -110,40 +138,95 @@ struct Search {
         // The parabola through f, its slope and the trial has its minimum here.
         const V parabola = -0.5f * slope * step * step / maximum(trialF - f - slope * step, splat(1e-20f));
         const I small = accepted & (f - trialF < 1e-2f * tolerance) & (step >= 0.99f);
+        const I offDisc = first & (trialF > 2.0f);
         f = accepted ? trialF : f;
         step = accepted ? step : minimum(maximum(parabola, 0.1f * step), 0.5f * step);
-        active &= ~(small | (largest < tolerance) | (step < 1e-3f));
+        active &= ~(small | (largest < tolerance) | (step < 1e-3f) | offDisc);
         fresh = accepted;
+        first = I{};
     }
 };
 
+// Feeds jobs to the lanes until all are done.
 template<class Objective>
-void searchLanes(const FitProblem& problem, float* unknowns, float* error)
+void runJobs(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch)
 {
-    const auto row = [&](int i) { return load(unknowns + i * W); };
-    const Objective objective{problem,
-                              {row(kX), row(kY), row(kB11), row(kB21), row(kB22), problem.isotropic}};
-    Search<Objective> search(objective, unknowns, problem.isotropic);
-    for (int evaluation = 1; evaluation < problem.maxEvaluations && any(search.active); ++evaluation) {
-        search.chooseDirections();
-        search.advance(problem.tolerance);
+    Search<Objective> search(scratch, settings.isotropic);
+    constexpr int kRow = Objective::kRow;
+    int next = 0, running[W], evaluations[W], sizes[W];
+    for (int lane = 0; lane < W; ++lane) {
+        running[lane] = -1;
+        sizes[lane] = 0;
     }
-    const Scaling& scaling = objective.scaling;
-    const V* x = search.x;
-    store(unknowns + kX * W, scaling.originX + scaling.b11 * x[0]);
-    store(unknowns + kY * W, scaling.originY + scaling.b21 * x[0] + scaling.b22 * x[1]);
-    store(unknowns + kL1 * W, x[2]);
-    store(unknowns + kL2 * W, problem.isotropic ? x[2] : x[3]);
-    store(unknowns + kL3 * W, problem.isotropic ? V{} : x[4]);
-    store(error, search.f);
+    int rows = 0; // rows of the scratch that hold anything
+    for (;;) {
+        bool busy = false;
+        for (int lane = 0; lane < W; ++lane) {
+            const bool done =
+                running[lane] >= 0 && (!search.active[lane] || evaluations[lane] >= settings.maxEvaluations);
+            if (done) {
+                search.finish(lane, *jobs[running[lane]]);
+                search.active[lane] = 0;
+                running[lane] = -1;
+            }
+            if (running[lane] < 0 && next < count) {
+                const FitJob& job = *jobs[next];
+                const int size = Objective::size(job);
+                // Rows beyond the other lanes' jobs start empty; beyond this job the lane is cleared.
+                for (; rows < size; ++rows)
+                    for (int i = 0; i < kRow * W; ++i)
+                        scratch[rows * kRow * W + i] = 0.0f;
+                for (int k = 0; k < size; ++k)
+                    Objective::fill(job, k, scratch + k * kRow * W + lane);
+                for (int k = size; k < sizes[lane]; ++k)
+                    scratch[(k * kRow + kRow - 1) * W + lane] = 0.0f; // no weight
+                sizes[lane] = size;
+                search.start(lane, job);
+                running[lane] = next++;
+                evaluations[lane] = 0;
+            }
+            busy = busy || running[lane] >= 0;
+        }
+        if (!busy)
+            return;
+        int longest = 0;
+        for (int lane = 0; lane < W; ++lane)
+            if (running[lane] >= 0) {
+                longest = longest > sizes[lane] ? longest : sizes[lane];
+                ++evaluations[lane];
+            }
+        search.objective.count = longest;
+        search.chooseDirections();
+        search.advance(settings.tolerance);
+    }
 }
 
-void minimise(const FitProblem& problem, float* unknowns, float* error)
+void minimise(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch)
 {
-    searchLanes<ExactObjective>(problem, unknowns, error);
+    runJobs<ExactObjective>(jobs, count, settings, scratch);
 }
 
-void minimiseMixture(const FitProblem& problem, float* unknowns, float* error)
+void minimiseMixtures(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch)
 {
-    searchLanes<MixtureObjective>(problem, unknowns, error);
+    runJobs<MixtureObjective>(jobs, count, settings, scratch);
+}
+
+void evaluate(const FitJob& job, float* overlap, float* norm, float* gradient, float* scratch)
+{
+    const int size = job.nodes.count;
+    for (int k = 0; k < size; ++k)
+        for (int lane = 0; lane < W; ++lane)
+            ExactObjective::fill(job, k, scratch + k * 4 * W + lane);
+    const auto row = [&](int i) { return splat(job.unknowns[i]); };
+    const Lobe lobe = makeLobe(splat(job.maxLog), row(kX), row(kY), row(kL1), row(kL2), row(kL3));
+    const Sums sum = sumNodes(scratch, size, lobe);
+    const Overlap o = overlapOf(lobe, sum);
+    *overlap = o.gf[0];
+    *norm = o.ff[0];
+    if (!gradient)
+        return;
+    V g[5];
+    gradientOf(lobe, slopesOf(lobe, sum), o.gf * o.gf / (job.energy * o.ff), g);
+    for (int i = 0; i < 5; ++i)
+        gradient[i] = g[i][0];
 }

@@ -1,4 +1,5 @@
 #include "quadrature.h"
+#include "fit_kernel.h"
 #include "shared/limits.h"
 
 namespace lumel::baker {
@@ -7,8 +8,8 @@ namespace {
 // Spacing and margin in standard deviations of a lobe. Products of two equal lobes have a Fourier
 // transform exp(-(w sigma)^2 / 4): at spacing 0.8 sigma the rule's error is 4 exp(-(pi / 0.8)^2) =
 // 8e-7, and beyond 2.75 sigma lies exp(-2.75^2) = 5e-4 of it.
-constexpr double kSpacing = 0.8;
-constexpr double kMargin = 2.75;
+constexpr double kSpacing = 1.0;
+constexpr double kMargin = 3.0;
 // Below this power lobes reach the rim of the disc, where a lattice ends abruptly; the product rule
 // (Gauss-Legendre in h.z, trapezoidal in the angle) covers the disc without an edge.
 constexpr double kDiscRulePower = 14.0;
@@ -39,38 +40,39 @@ Gauss gaussLegendre(int n)
 }
 
 // The whole disc: dx dy = z dz dphi.
-std::vector<Node> discRule(int rings, int spokes)
+NodeSet discRule(int rings, int spokes)
 {
     const Gauss gauss = gaussLegendre(rings);
-    std::vector<Node> nodes;
+    NodeSet nodes;
     for (int i = 0; i < rings; ++i) {
         const double z = gauss.x[size_t(i)], r = std::sqrt(1.0 - z * z);
         const int count = std::max(6, int(std::ceil(spokes * std::min(1.0, 1.15 * r))));
         for (int j = 0; j < count; ++j) {
             const double phi = 2.0 * 3.14159265358979 * (j + 0.5 * (i & 1)) / count;
             const double area = gauss.w[size_t(i)] * z * 2.0 * 3.14159265358979 / count;
-            nodes.push_back({float(r * std::cos(phi)), float(r * std::sin(phi)), float(z), float(area)});
+            nodes.add(float(r * std::cos(phi)), float(r * std::sin(phi)), float(z), float(area));
         }
     }
+    nodes.pad();
     return nodes;
 }
 
-const std::vector<Node>& discRuleFor(double power)
+const NodeSet& discRuleFor(double power)
 {
-    static const std::vector<Node> small = discRule(7, 14);
-    static const std::vector<Node> medium = discRule(12, 26);
-    static const std::vector<Node> large = discRule(24, 56);
+    static const NodeSet small = discRule(7, 14);
+    static const NodeSet medium = discRule(12, 26);
+    static const NodeSet large = discRule(24, 56);
     return power <= 4.0 ? small : power <= kDiscRulePower ? medium : large;
 }
 
-void addNode(double lx, double ly, double area, std::vector<Node>& nodes)
+void addNode(double lx, double ly, double area, NodeSet& nodes)
 {
     const double r2 = lx * lx + ly * ly;
     const double z = 1.0 - 0.5 * r2;
     if (z <= 1e-3)
         return;
     const double scale = std::sqrt(1.0 - 0.25 * r2);
-    nodes.push_back({float(lx * scale), float(ly * scale), float(z), float(area * z)});
+    nodes.add(float(lx * scale), float(ly * scale), float(z), float(area * z));
 }
 
 // Derivative of Lambert's map along a tangent t of the unit vector n.
@@ -94,9 +96,30 @@ Sym2 lambertCovariance(glm::dvec3 n, const Sym2& s)
 
 } // namespace
 
-void Lattice::plan(const Lobes& lobes, const Member* members, size_t count, const Moments& mean,
-                   std::vector<Node>& nodes)
+void NodeSet::clear()
 {
+    for (auto* v : {&x, &y, &z, &area})
+        v->clear();
+}
+
+void NodeSet::add(float nx, float ny, float nz, float nodeArea)
+{
+    x.push_back(nx);
+    y.push_back(ny);
+    z.push_back(nz);
+    area.push_back(nodeArea);
+}
+
+void NodeSet::pad()
+{
+    while (size() % kMaxLanes != 0)
+        add(0.0f, 0.0f, 1.0f, 0.0f);
+}
+
+void Lattice::plan(const Lobes& lobes, const std::vector<Member>& members, const Moments& mean,
+                   NodeSet& nodes)
+{
+    const size_t count = members.size();
     const double power = mean.energyPower / mean.energy;
     const auto rim = [&] { // does some lobe reach the rim?
         for (size_t i = 0; i < count; ++i) {
@@ -140,32 +163,56 @@ void Lattice::plan(const Lobes& lobes, const Member* members, size_t count, cons
     const double angle = 0.5 * std::atan2(2.0 * cxy, cxx - cyy);
     const glm::dvec2 axis(std::cos(angle), std::sin(angle)), side(-axis.y, axis.x);
     glm::dvec2 lower(1e30), upper(-1e30);
+    discs_.clear();
     for (size_t i = 0; i < count; ++i) {
         const uint32_t m = members[i].lobe;
         const glm::dvec2 y = whiten(glm::dvec2(lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m])) - centre);
         const double detS = double(lobes.sxx[m]) * lobes.syy[m] - double(lobes.sxy[m]) * lobes.sxy[m];
-        const double margin = kMargin * std::clamp(std::sqrt(power * std::sqrt(detS)), 1.0, 4.0);
+        const double radius = kMargin * std::clamp(std::sqrt(power * std::sqrt(detS)), 1.0, 4.0);
         const glm::dvec2 t(glm::dot(y, axis), glm::dot(y, side));
-        lower = glm::min(lower, t - margin);
-        upper = glm::max(upper, t + margin);
+        lower = glm::min(lower, t - radius);
+        upper = glm::max(upper, t + radius);
+        discs_.push_back(glm::vec3(t, radius));
     }
     const glm::dvec2 size = upper - lower;
     const double spacing = std::max(kSpacing, std::sqrt(size.x * size.y / double(kMaxNodes)));
     const int n1 = std::max(1, int(std::ceil(size.x / spacing))),
               n2 = std::max(1, int(std::ceil(size.y / spacing)));
     const glm::dvec2 step = size / glm::dvec2(n1, n2);
+    cover(glm::vec2(lower), glm::vec2(step), n1, n2);
     const double area = step.x * step.y / (k11 * k22);
     nodes.clear();
     for (int j = 0; j < n2; ++j)
         for (int i = 0; i < n1; ++i) {
+            if (!covered_[size_t(j) * size_t(n1) + size_t(i)])
+                continue;
             const glm::dvec2 t = lower + step * glm::dvec2(i + 0.5, j + 0.5);
             const glm::dvec2 y = axis * t.x + side * t.y;
             const double dy = y.y / k22, dx = (y.x - k21 * dy) / k11;
             addNode(centre.x + dx, centre.y + dy, area, nodes);
         }
+    nodes.pad();
 }
 
-void Lattice::planShared(glm::vec2 lower, glm::vec2 upper, double power, std::vector<Node>& nodes)
+// Marks the lattice points within some member's disc.
+void Lattice::cover(glm::vec2 lower, glm::vec2 step, int n1, int n2)
+{
+    covered_.assign(size_t(n1) * size_t(n2), 0);
+    for (const glm::vec3& d : discs_) {
+        const int first = std::max(0, int(std::ceil((d.y - d.z - lower.y) / step.y - 0.5f)));
+        const int last = std::min(n2 - 1, int(std::floor((d.y + d.z - lower.y) / step.y - 0.5f)));
+        for (int j = first; j <= last; ++j) {
+            const float dy = lower.y + (float(j) + 0.5f) * step.y - d.y;
+            const float half = std::sqrt(std::max(0.0f, d.z * d.z - dy * dy));
+            const int from = std::max(0, int(std::ceil((d.x - half - lower.x) / step.x - 0.5f)));
+            const int to = std::min(n1 - 1, int(std::floor((d.x + half - lower.x) / step.x - 0.5f)));
+            if (from <= to)
+                std::fill_n(covered_.begin() + std::ptrdiff_t(j) * n1 + from, to - from + 1, 1);
+        }
+    }
+}
+
+void Lattice::planShared(glm::vec2 lower, glm::vec2 upper, double power, NodeSet& nodes)
 {
     if (power <= kDiscRulePower) {
         nodes = discRuleFor(power);
@@ -184,6 +231,7 @@ void Lattice::planShared(glm::vec2 lower, glm::vec2 upper, double power, std::ve
             const glm::dvec2 l = from + step * glm::dvec2(i + 0.5, j + 0.5);
             addNode(l.x, l.y, step.x * step.y, nodes);
         }
+    nodes.pad();
 }
 
 } // namespace lumel::baker

@@ -7,9 +7,14 @@
 
 namespace lumel::baker {
 
-struct Node {
-    float x, y, z; // unit half vector
-    float area;    // of the disc
+// Nodes as arrays, padded to a multiple of the widest vector by nodes of no area.
+struct NodeSet {
+    std::vector<float> x, y, z; // unit half vectors
+    std::vector<float> area;    // of the disc
+    size_t size() const { return x.size(); }
+    void clear();
+    void add(float nx, float ny, float nz, float nodeArea);
+    void pad();
 };
 
 // One texel's lobes as indices into a Lobes block with their shares of the texel's area.
@@ -25,11 +30,15 @@ struct Member {
 class Lattice {
 public:
     // Nodes for the members of one texel; `mean` are their mean moments.
-    static void plan(const Lobes& lobes, const Member* members, size_t count, const Moments& mean,
-                     std::vector<Node>& nodes);
+    void plan(const Lobes& lobes, const std::vector<Member>& members, const Moments& mean, NodeSet& nodes);
     // Nodes for any texel of a map: all normals lie in [lower, upper] (Lambert), no lobe is narrower
     // than `power`.
-    static void planShared(glm::vec2 lower, glm::vec2 upper, double power, std::vector<Node>& nodes);
+    static void planShared(glm::vec2 lower, glm::vec2 upper, double power, NodeSet& nodes);
+
+private:
+    void cover(glm::vec2 lower, glm::vec2 step, int n1, int n2);
+    std::vector<glm::vec3> discs_;       // of the members: whitened centre and radius
+    std::vector<unsigned char> covered_; // lattice points within some disc
 };
 
 inline glm::vec2 lambert(float nx, float ny, float nz)

@@ -2,16 +2,17 @@
 // under a texel stand apart (a V-groove has one on each flank and a broad one between), so one start is
 // not enough. Every guess is searched from on a cheap stand-in for the error (fit_mixture.inl); the two
 // best minima found are then searched from exactly, and the best result kept.
-#include "group.h"
+#include "solver.h"
 
 namespace lumel::baker {
 namespace {
 
 // Below this error the average is one bump and has one minimum: all starts end there.
-constexpr float kSettledError = 0.02f;
+constexpr float kSettledError = 0.01f;
 // Above this error no single lobe fits, and minima are many: try the isotropic ones too.
 constexpr float kHopelessError = 0.2f;
-constexpr float kNoError = 1e30f; // worse than any search
+// A closed form this narrow, relative to the mean lobe, says that the lobes lie within each other.
+constexpr float kCompact = 0.7f;
 
 // The talk's guess: under half of the finer power, never near 1.
 Shape halfPower(const TexelTask& task)
@@ -22,20 +23,7 @@ Shape halfPower(const TexelTask& task)
     return shape;
 }
 
-// Closed forms first, then the finer level's lobes.
-Shape guess(const TexelTask& task, int number)
-{
-    switch (number) {
-    case 0:
-        return leanShape(task.mean);
-    case 1:
-        return halfPower(task);
-    default:
-        return task.children[size_t(number - 2) % size_t(task.childCount)].shape;
-    }
-}
-
-// Do two lobes stand for different minima? Their normals lie a lobe's width apart or their powers
+// Do two lobes stand for different minima? Their normals lie half a lobe's width apart or their powers
 // differ by half.
 bool distinct(const Shape& a, const Shape& b)
 {
@@ -45,80 +33,114 @@ bool distinct(const Shape& a, const Shape& b)
 
 } // namespace
 
-bool Group::settled() const
+Solver::Selection Solver::above(const Selection& selection, Family family, float error) const
 {
-    for (size_t lane = 0; lane < size_t(count_); ++lane)
-        if (bestError_[lane] > kSettledError && !tasks_[lane].uniform)
-            return false;
-    return true;
+    Selection rest;
+    for (const uint32_t t : selection)
+        if (texels_[t].best[family].error > error)
+            rest.push_back(t);
+    return rest;
+}
+
+void Solver::keep(const std::vector<Start>& starts, const std::vector<Found>& found, Family family)
+{
+    for (size_t i = 0; i < starts.size(); ++i) {
+        Found& best = texels_[starts[i].texel].best[family];
+        if (found[i].error < best.error)
+            best = found[i];
+    }
 }
 
 // The two best distinct minima of the mixture's error.
-void Group::chooseStarts(Shape* first, Shape* second, bool isotropic)
+void Solver::chooseStarts(const Selection& selection, Family family)
 {
-    std::array<Shape, kMaxLanes> shapes;
-    std::array<float, kMaxLanes> errors, firstError, secondError;
-    firstError.fill(kNoError);
-    secondError.fill(kNoError);
-    for (int number = 0; number < 2 + mixtureCount_; ++number) {
-        for (size_t lane = 0; lane < size_t(count_); ++lane)
-            shapes[lane] = guess(tasks_[lane], number);
-        search(shapes.data(), errors.data(), isotropic, false);
-        for (size_t lane = 0; lane < size_t(count_); ++lane) {
-            const bool other = number == 0 || distinct(shapes[lane], first[lane]);
-            if (errors[lane] < firstError[lane]) {
-                if (other && number > 0) {
-                    second[lane] = first[lane];
-                    secondError[lane] = firstError[lane];
-                }
-                first[lane] = shapes[lane];
-                firstError[lane] = errors[lane];
-            } else if (other && errors[lane] < secondError[lane]) {
-                second[lane] = shapes[lane];
-                secondError[lane] = errors[lane];
-            }
+    starts_.clear();
+    for (const uint32_t t : selection) {
+        const TexelTask& task = texels_[t].task;
+        const Shape lean = leanShape(task.mean);
+        starts_.push_back({t, lean});
+        texels_[t].start[0] = texels_[t].start[1] = {};
+        if (scalarPower(lean) > kCompact * float(task.mean.energy))
+            continue;
+        starts_.push_back({t, halfPower(task)});
+        for (int i = 0; i < task.childCount; ++i)
+            starts_.push_back({t, task.children[size_t(i)].shape});
+    }
+    run(starts_, family, Against::mixture, found_);
+    for (size_t i = 0; i < starts_.size(); ++i) {
+        Found* start = texels_[starts_[i].texel].start;
+        const bool other = start[0].error < kNoError && distinct(found_[i].shape, start[0].shape);
+        if (found_[i].error < start[0].error) {
+            if (other)
+                start[1] = start[0];
+            start[0] = found_[i];
+        } else if (other && found_[i].error < start[1].error) {
+            start[1] = found_[i];
         }
     }
-    // One minimum only: the closed form is the other start.
-    for (size_t lane = 0; lane < size_t(count_); ++lane)
-        if (secondError[lane] == kNoError)
-            second[lane] = guess(tasks_[lane], 0);
 }
 
-void Group::fit()
+// From the best minimum of the mixture; where that does not settle it, from the second best too.
+void Solver::searchExactly(const Selection& selection, Family family)
 {
-    const bool isotropic = options_.model == Model::blinnPhong;
-    bestError_.fill(kNoError);
-    buildMixture();
-    std::array<Shape, kMaxLanes> first, second;
-    std::array<float, kMaxLanes> errors;
-    chooseStarts(first.data(), second.data(), isotropic);
-    search(first.data(), errors.data(), isotropic, true);
-    if (settled())
-        return;
-    search(second.data(), errors.data(), isotropic, true);
-    if (!isotropic && *std::max_element(bestError_.begin(), bestError_.begin() + count_) > kHopelessError) {
-        chooseStarts(first.data(), second.data(), true);
-        for (std::array<Shape, kMaxLanes>* start : {&first, &second}) {
-            search(start->data(), errors.data(), true, true);
-            search(start->data(), errors.data(), false, true);
+    Selection rest = selection;
+    for (int rank = 0; rank < 2; ++rank) {
+        starts_.clear();
+        for (const uint32_t t : rest)
+            if (texels_[t].start[rank].error < kNoError)
+                starts_.push_back({t, texels_[t].start[rank].shape});
+        run(starts_, family, Against::nodes, found_);
+        keep(starts_, found_, family);
+        rest = above(rest, family, kSettledError);
+    }
+}
+
+// No closed form of the family may beat the fit: where one does, search on from it.
+void Solver::searchClosedForms(const Selection& selection, Family family)
+{
+    const auto evaluate = [&](Shape (*form)(const Moments&)) {
+        starts_.clear();
+        for (const uint32_t t : selection) {
+            const Shape shape = form(texels_[t].task.mean);
+            starts_.push_back({t, family == kIsotropic ? isotropicShape(shape) : shape});
         }
+        run(starts_, family, Against::nodesOnce, found_);
+        std::vector<Start> better;
+        for (size_t i = 0; i < starts_.size(); ++i)
+            if (found_[i].error < texels_[starts_[i].texel].best[family].error)
+                better.push_back(starts_[i]);
+        keep(starts_, found_, family);
+        run(better, family, Against::nodes, found_);
+        keep(better, found_, family);
+    };
+    for (const auto form : {leanShape, toksvigShape, averageShape})
+        evaluate(form);
+}
+
+void Solver::fitIsotropic(const Selection& selection)
+{
+    chooseStarts(selection, kIsotropic);
+    searchExactly(selection, kIsotropic);
+    searchClosedForms(above(selection, kIsotropic, kSettledError), kIsotropic);
+}
+
+void Solver::fitAnisotropic(const Selection& selection)
+{
+    chooseStarts(selection, kAnisotropic);
+    searchExactly(selection, kAnisotropic);
+    searchClosedForms(above(selection, kAnisotropic, kSettledError), kAnisotropic);
+    // From the isotropic fit too, so that the result cannot be worse than it.
+    const Selection hopeless = above(selection, kAnisotropic, kHopelessError);
+    fitIsotropic(hopeless);
+    starts_.clear();
+    for (const uint32_t t : hopeless) {
+        Found* best = texels_[t].best;
+        starts_.push_back({t, best[kIsotropic].shape});
+        if (best[kIsotropic].error < best[kAnisotropic].error)
+            best[kAnisotropic] = best[kIsotropic];
     }
-    // No closed form of the family may beat the fit: where one does, search on from it.
-    const std::array<float, kMaxLanes> before = bestError_;
-    for (const auto& form : {leanShape, toksvigShape, averageShape}) {
-        std::array<Shape, kMaxLanes> shapes;
-        for (size_t lane = 0; lane < size_t(count_); ++lane) {
-            shapes[lane] = form(tasks_[lane].mean);
-            if (isotropic)
-                shapes[lane] = isotropicShape(shapes[lane]);
-        }
-        consider(shapes.data());
-    }
-    if (bestError_ != before) {
-        first = best_;
-        search(first.data(), errors.data(), isotropic, true);
-    }
+    run(starts_, kAnisotropic, Against::nodes, found_);
+    keep(starts_, found_, kAnisotropic);
 }
 
 } // namespace lumel::baker

@@ -1,152 +1,228 @@
 // The inner loops: gradients, agreement of the instruction sets, and the closed form of <f, f>.
 #include "baker/fit_kernel.h"
 #include "oracle.h"
+#include <memory>
 #include <random>
 
 namespace lumel::baker {
 namespace {
 
-// A random problem of `lanes` texels: a few lobes averaged on random nodes.
-struct Random {
-    explicit Random(const Kernels& k, unsigned seed) : kernels(k), lanes(size_t(k.lanes))
+// A search: four Gaussian bumps near each other as the mixture, and their sum on a lattice of nodes.
+struct Problem {
+    static constexpr int kNodes = 256;
+    std::vector<float> x, y, z, weight;
+    std::vector<MixtureTerm> terms;
+    FitJob job;
+
+    explicit Problem(unsigned seed, int side = 16)
     {
         std::mt19937 random(seed);
         std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
-        const auto fill = [&](std::vector<float>& v, size_t rows) {
-            v.assign(rows * kMaxLanes, 0.0f), v.resize(rows * lanes);
-        };
-        for (auto* v : {&x, &y, &z, &weight})
-            fill(*v, kNodes);
-        fill(unknowns, kUnknowns);
-        // The same numbers for every lane count: lane l of a wide kernel is problem l of the scalar one.
-        for (size_t l = 0; l < kMaxLanes; ++l) {
-            const float mx = 0.3f * uniform(random), my = 0.3f * uniform(random);
-            float values[kUnknowns] = {mx + 0.03f,
-                                       my - 0.02f,
-                                       1.6f + 0.3f * uniform(random),
-                                       1.8f + 0.3f * uniform(random),
-                                       0.5f * uniform(random),
-                                       0.1f,
-                                       0.01f,
-                                       0.12f};
-            for (size_t j = 0; j < kUnknowns && l < lanes; ++j)
-                unknowns[j * lanes + l] = values[j];
-            for (size_t k = 0; k < kNodes; ++k) {
-                const float nx = mx + 0.4f * uniform(random), ny = my + 0.4f * uniform(random);
-                const float w = 0.01f * (1.0f + uniform(random));
-                if (l < lanes) {
-                    x[k * lanes + l] = nx;
-                    y[k * lanes + l] = ny;
-                    z[k * lanes + l] = std::sqrt(1.0f - nx * nx - ny * ny);
-                    weight[k * lanes + l] = w;
-                }
-            }
+        const float mx = 0.3f * uniform(random), my = 0.3f * uniform(random);
+        for (int i = 0; i < 4; ++i) {
+            const float nx = mx + 0.1f * uniform(random), ny = my + 0.1f * uniform(random);
+            terms.push_back({nx, ny, std::sqrt(1.0f - nx * nx - ny * ny), 0.03f, 0.01f * uniform(random),
+                             0.02f, 0.2f * (1.2f + uniform(random))});
         }
-        energy.assign(kMaxLanes, 0.5f);
-        maxLog.assign(kMaxLanes, 4.0f);
-        problem.nodes = {int(kNodes), x.data(), y.data(), z.data(), weight.data()};
-        problem.energy = energy.data();
-        problem.maxLog = maxLog.data();
-        problem.isotropic = false;
+        const float step = 0.9f / float(side);
+        double energy = 0.0;
+        for (int k = 0; k < side * side; ++k) {
+            x.push_back(mx + (float(k % side) + 0.5f) * step - 0.45f);
+            y.push_back(my + (float(k / side) + 0.5f) * step - 0.45f);
+            z.push_back(std::sqrt(1.0f - x.back() * x.back() - y.back() * y.back()));
+            float g = 0.0f;
+            for (const MixtureTerm& t : terms) {
+                const float dx = x.back() - t.nx, dy = y.back() - t.ny;
+                const float q = t.syy * dx * dx - 2.0f * t.sxy * dx * dy + t.sxx * dy * dy;
+                const float det = t.sxx * t.syy - t.sxy * t.sxy;
+                g += t.amplitude * std::exp(-0.5f * q / det) / std::sqrt(det);
+            }
+            weight.push_back(step * step * g);
+            energy += double(weight.back()) * g;
+        }
+        job.nodes = {side * side, x.data(), y.data(), z.data(), weight.data()};
+        job.mixture = terms.data();
+        job.mixtureCount = int(terms.size());
+        job.energy = float(energy);
+        job.maxLog = 4.0f;
+        const float start[kUnknowns] = {mx + 0.03f,
+                                        my - 0.02f,
+                                        1.6f + 0.3f * uniform(random),
+                                        1.8f + 0.3f * uniform(random),
+                                        0.5f * uniform(random),
+                                        0.1f,
+                                        0.01f,
+                                        0.12f};
+        std::copy(start, start + kUnknowns, job.unknowns);
     }
-    void run()
-    {
-        overlap.resize(kMaxLanes), norm.resize(kMaxLanes), gradient.resize(5 * kMaxLanes);
-        kernels.evaluate(problem, unknowns.data(), overlap.data(), norm.data(), gradient.data());
-    }
-    double error(size_t lane) const
-    {
-        return 1.0 - double(overlap[lane]) * overlap[lane] / (double(energy[lane]) * norm[lane]);
-    }
-    static constexpr size_t kNodes = 50;
-    const Kernels& kernels;
-    size_t lanes;
-    std::vector<float> x, y, z, weight, unknowns, energy, maxLog, overlap, norm, gradient;
-    FitProblem problem;
+    Problem(const Problem&) = delete;
 };
-} // namespace
 
-TEST(Kernel, GradientMatchesFiniteDifferences)
+std::vector<float> scratch()
 {
-    for (unsigned seed = 1; seed <= 5; ++seed) {
-        Random r(kernels(), seed);
-        r.run();
-        const std::vector<float> gradient = r.gradient;
-        for (size_t j = 0; j < 5; ++j) {
-            const float step = j < 2 ? 2e-3f : 1e-2f;
-            const std::vector<float> start = r.unknowns;
-            std::vector<double> up(r.lanes), down(r.lanes);
-            for (size_t l = 0; l < r.lanes; ++l)
-                r.unknowns[j * r.lanes + l] += step;
-            r.run();
-            for (size_t l = 0; l < r.lanes; ++l)
-                up[l] = r.error(l);
-            for (size_t l = 0; l < r.lanes; ++l)
-                r.unknowns[j * r.lanes + l] = start[j * r.lanes + l] - step;
-            r.run();
-            for (size_t l = 0; l < r.lanes; ++l)
-                down[l] = r.error(l);
-            r.unknowns = start;
-            for (size_t l = 0; l < r.lanes; ++l) {
-                const double difference = (up[l] - down[l]) / (2.0 * double(step));
-                EXPECT_NEAR(gradient[j * r.lanes + l], difference, 5e-3 * std::max(0.2, std::abs(difference)))
-                    << "unknown " << j << " lane " << l;
-            }
-        }
-    }
+    return std::vector<float>(size_t(Problem::kNodes) * 8 * kMaxLanes);
 }
 
-TEST(Kernel, AllInstructionSetsAgree)
+double errorOf(const Problem& p, float* gradient = nullptr)
 {
-    std::vector<const Kernels*> sets = {&kBaselineKernels};
-    if (&kernels() != &kBaselineKernels)
-        sets.push_back(&kernels());
+    float overlap = 0.0f, norm = 0.0f;
+    kernels().evaluate(p.job, &overlap, &norm, gradient, scratch().data());
+    return 1.0 - double(overlap) * overlap / (double(p.job.energy) * norm);
+}
+
+double mixtureErrorAt(Problem& p, const float* unknowns)
+{
+    std::copy(unknowns, unknowns + kUnknowns, p.job.unknowns);
+    SearchSettings once;
+    once.isotropic = false;
+    once.maxEvaluations = 1;
+    FitJob* job = &p.job;
+    kernels().minimiseMixtures(&job, 1, once, scratch().data());
+    return p.job.error;
+}
+
+std::vector<const Kernels*> instructionSets()
+{
+    std::vector<const Kernels*> sets = {&kBaselineKernels, &kernels()};
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
         sets.push_back(&kAvx2Kernels);
 #endif
-    // One scalar run a lane.
-    for (const Kernels* set : sets) {
-        Random wide(*set, 3);
-        std::vector<float> error(kMaxLanes);
-        wide.run();
-        const std::vector<float> start = wide.unknowns;
-        set->minimise(wide.problem, wide.unknowns.data(), error.data());
-        for (size_t l = 0; l < wide.lanes; ++l) {
-            Random one(kScalarKernels, 3);
-            for (size_t k = 0; k < Random::kNodes; ++k) {
-                one.x[k] = wide.x[k * wide.lanes + l];
-                one.y[k] = wide.y[k * wide.lanes + l];
-                one.z[k] = wide.z[k * wide.lanes + l];
-                one.weight[k] = wide.weight[k * wide.lanes + l];
+    return sets;
+}
+} // namespace
+
+TEST(Kernel, GradientMatchesFiniteDifferences)
+{
+    for (unsigned seed = 1; seed <= 50; ++seed) {
+        Problem p(seed);
+        float gradient[5];
+        errorOf(p, gradient);
+        for (int j = 0; j < 5; ++j) {
+            const float step = j < 2 ? 2e-3f : 1e-2f, at = p.job.unknowns[j];
+            p.job.unknowns[j] = at + step;
+            const double up = errorOf(p);
+            p.job.unknowns[j] = at - step;
+            const double down = errorOf(p);
+            p.job.unknowns[j] = at;
+            const double difference = (up - down) / (2.0 * double(step));
+            EXPECT_NEAR(gradient[j], difference, 5e-3 * std::max(0.2, std::abs(difference)))
+                << "unknown " << j << " seed " << seed;
+        }
+    }
+}
+
+TEST(Kernel, SearchesEndWhereTheGradientVanishes)
+{
+    for (unsigned seed = 1; seed <= 50; ++seed) {
+        Problem p(seed);
+        const double before = errorOf(p);
+        SearchSettings settings;
+        settings.isotropic = false;
+        FitJob* job = &p.job;
+        kernels().minimise(&job, 1, settings, scratch().data());
+        EXPECT_LE(p.job.error, before + 1e-6);
+        float gradient[5];
+        EXPECT_NEAR(errorOf(p, gradient), p.job.error, 1e-5);
+        for (int j = 0; j < 2; ++j)
+            EXPECT_LT(std::abs(gradient[j]) * 0.1f, 5e-3f) << "seed " << seed;
+        for (int j = 2; j < 4; ++j)
+            if (p.job.unknowns[j] < p.job.maxLog && p.job.unknowns[j] > -3.4f) {
+                EXPECT_LT(std::abs(gradient[j]), 5e-3f) << "seed " << seed;
             }
-            for (size_t j = 0; j < kUnknowns; ++j)
-                one.unknowns[j] = start[j * wide.lanes + l];
-            one.run();
-            EXPECT_NEAR(one.overlap[0], wide.overlap[l], 1e-5f * wide.overlap[l]) << set->name;
-            EXPECT_NEAR(one.norm[0], wide.norm[l], 1e-5f * wide.norm[l]) << set->name;
-            for (size_t j = 0; j < 5; ++j)
-                EXPECT_NEAR(one.gradient[j], wide.gradient[j * wide.lanes + l], 1e-4f) << set->name;
-            float scalarError = 0.0f;
-            kScalarKernels.minimise(one.problem, one.unknowns.data(), &scalarError);
-            EXPECT_NEAR(scalarError, error[l], 1e-4f) << set->name << " lane " << l;
+    }
+}
+
+TEST(Kernel, MixtureSearchesEndInAMinimum)
+{
+    for (unsigned seed = 1; seed <= 30; ++seed) {
+        Problem p(seed);
+        SearchSettings settings;
+        settings.isotropic = false;
+        FitJob* job = &p.job;
+        kernels().minimiseMixtures(&job, 1, settings, scratch().data());
+        std::vector<float> found(p.job.unknowns, p.job.unknowns + kUnknowns);
+        const double lowest = p.job.error;
+        for (size_t j = 0; j < 5; ++j)
+            for (const float step : {-0.03f, 0.03f}) {
+                std::vector<float> near = found;
+                near[j] += j < 2 ? 0.1f * step : step;
+                EXPECT_GE(mixtureErrorAt(p, near.data()), lowest - 1e-5)
+                    << "unknown " << j << " seed " << seed;
+            }
+    }
+}
+
+// More jobs than lanes, of unlike sizes: lanes are refilled, and no job may see another's nodes.
+TEST(Kernel, AllInstructionSetsAgreeOnAQueueOfJobs)
+{
+    constexpr unsigned kJobs = 45;
+    for (const Kernels* set : instructionSets())
+        for (const bool isotropic : {false, true})
+            for (const bool exact : {true, false}) {
+                std::vector<std::unique_ptr<Problem>> queue, alone;
+                std::vector<FitJob*> jobs;
+                for (unsigned seed = 0; seed < kJobs; ++seed) {
+                    for (auto* list : {&queue, &alone}) {
+                        list->push_back(std::make_unique<Problem>(seed, seed % 3 == 0 ? 16 : 12));
+                        list->back()->job.mixtureCount = int(2 + seed % 3);
+                    }
+                    jobs.push_back(&queue.back()->job);
+                }
+                SearchSettings settings;
+                settings.isotropic = isotropic;
+                std::vector<float> memory = scratch();
+                std::fill(memory.begin(), memory.end(), std::nanf("")); // what was there before is no matter
+                const auto search = [&](const Kernels& k) { return exact ? k.minimise : k.minimiseMixtures; };
+                search (*set)(jobs.data(), kJobs, settings, memory.data());
+                for (unsigned seed = 0; seed < kJobs; ++seed) {
+                    FitJob* job = &alone[seed]->job;
+                    search(kScalarKernels)(&job, 1, settings, memory.data());
+                    EXPECT_NEAR(jobs[seed]->error, job->error, 2e-4) << set->name << " job " << seed;
+                }
+            }
+}
+
+TEST(Kernel, AllInstructionSetsAverageAlike)
+{
+    Problem p(3);
+    std::vector<LobeTerm> lobes;
+    for (const MixtureTerm& t : p.terms)
+        lobes.push_back({t.nx, t.ny, t.nz, 30.0f, 5.0f, 20.0f, t.amplitude});
+    for (const bool isotropic : {true, false}) {
+        for (LobeTerm& l : lobes)
+            if (isotropic)
+                l.pxy = 0.0f, l.pyy = l.pxx;
+        std::vector<float> scalar(Problem::kNodes, 0.0f);
+        kScalarKernels.average(lobes.data(), int(lobes.size()), isotropic, p.job.nodes, scalar.data());
+        // The isotropic short cut and the general form are the same lobe.
+        std::vector<float> general(Problem::kNodes, 0.0f);
+        kScalarKernels.average(lobes.data(), int(lobes.size()), false, p.job.nodes, general.data());
+        for (const Kernels* set : instructionSets()) {
+            std::vector<float> wide(Problem::kNodes, 0.0f);
+            set->average(lobes.data(), int(lobes.size()), isotropic, p.job.nodes, wide.data());
+            for (size_t k = 0; k < wide.size(); ++k) {
+                EXPECT_NEAR(wide[k], scalar[k], 1e-5f * scalar[k] + 1e-9f) << set->name;
+                EXPECT_NEAR(general[k], scalar[k], 1e-4f * scalar[k] + 1e-7f);
+            }
         }
     }
 }
 
 TEST(Kernel, ClosedFormOfTheNormMatchesTheIntegral)
 {
-    Random r(kScalarKernels, 1);
+    Problem p(1);
     const auto check = [&](float nx, float ny, float l1, float l2, float l3) {
         const float values[] = {nx, ny, l1, l2, l3};
-        std::copy(values, values + 5, r.unknowns.begin());
-        r.run();
+        std::copy(values, values + 5, p.job.unknowns);
+        float overlap = 0.0f, norm = 0.0f;
+        kernels().evaluate(p.job, &overlap, &norm, nullptr, scratch().data());
         const double e1 = std::exp(l1), e2 = std::exp(l2), shear = l3 * e2;
         const double xx = 1 + e1 * e1, xy = e1 * shear, yy = 1 + e2 * e2 + shear * shear,
                      det = xx * yy - xy * xy;
         const test::OracleLobe lobe{nx, ny, yy / det, -xy / det, xx / det, 1.0, 1.0};
         const test::OracleSums sums = test::oracleSums({lobe}, lobe, 800);
-        EXPECT_NEAR(r.norm[0] / sums.ff, 1.0, 2e-3) << nx << " " << ny << " " << l1;
+        EXPECT_NEAR(norm / sums.ff, 1.0, 2e-3) << nx << " " << ny << " " << l1;
     };
     check(0.0f, 0.0f, 2.0f, 2.0f, 0.0f);
     check(0.3f, -0.4f, 1.5f, 2.5f, 0.7f);

@@ -1,0 +1,25 @@
+// The average reflectance of a set of lobes at quadrature nodes.
+#pragma once
+#include "fit_kernel.h"
+#include "quadrature.h"
+
+namespace lumel::baker {
+
+class Averager {
+public:
+    Averager(bool isotropicBase, bool colouredSpecular);
+    // g()[channel][node] of the members. `black`: all Ks are 0; they count as 1, to fit the shape.
+    void average(const Lobes& lobes, const std::vector<Member>& members, bool black, const NodeSet& nodes);
+    const float* const* g() const { return pointers_; }
+    int channels() const { return channels_; }
+
+private:
+    const Kernels& kernels_;
+    bool isotropic_;
+    int channels_;
+    std::vector<LobeTerm> terms_;
+    std::vector<float> g_[3];
+    const float* pointers_[3] = {};
+};
+
+} // namespace lumel::baker

@@ -1,0 +1,173 @@
+#include "solver.h"
+#include "shared/limits.h"
+
+namespace lumel::baker {
+
+Solver::Solver(const Options& options, bool colouredSpecular)
+    : kernels_(kernels()), options_(options), coloured_(colouredSpecular)
+{
+}
+
+void Solver::add(const TexelTask& task, const NodeSet& nodes, const float* const* g)
+{
+    Texel texel;
+    texel.task = task;
+    texel.firstNode = x_.size();
+    texel.nodeCount = nodes.size();
+    x_.insert(x_.end(), nodes.x.begin(), nodes.x.end());
+    y_.insert(y_.end(), nodes.y.begin(), nodes.y.end());
+    z_.insert(z_.end(), nodes.z.begin(), nodes.z.end());
+    double energy = 0.0;
+    for (size_t k = 0; k < nodes.size(); ++k) {
+        const float value = coloured_ ? float(luminance({g[0][k], g[1][k], g[2][k]})) : g[0][k];
+        const float weight = nodes.area[k] * value;
+        weight_.push_back(weight);
+        energy += double(weight) * value;
+    }
+    for (int c = 0; coloured_ && c < 3; ++c)
+        for (size_t k = 0; k < nodes.size(); ++k)
+            channelWeight_[c].push_back(nodes.area[k] * g[c][k]);
+    texel.energy = std::max(float(energy), 1e-30f);
+    // No fit needs to be narrower than the narrowest lobe it stands for; a little room for the
+    // minimiser to cross on its way.
+    const double narrowest = 1.1 * std::max(1.0, task.mean.maxPower) - 1.0;
+    texel.maxLog = float(0.5 * std::log(std::max(narrowest, 0.02)));
+    addMixture(texel);
+    texels_.push_back(texel);
+}
+
+// The finer level's lobes as Gaussians.
+void Solver::addMixture(Texel& texel)
+{
+    const TexelTask& task = texel.task;
+    texel.firstTerm = terms_.size();
+    const bool black = luminance(task.mean.ks) <= 0.0;
+    for (int i = 0; i < task.childCount; ++i) {
+        const TexelTask::Child& child = task.children[size_t(i)];
+        const Shape& s = child.shape;
+        const float nz = std::sqrt(std::max(1e-4f, 1.0f - s.nx * s.nx - s.ny * s.ny));
+        terms_.push_back({s.nx, s.ny, nz, s.sxx, s.sxy, s.syy, child.share * (black ? 1.0f : child.ks) * nz});
+    }
+}
+
+void Solver::run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found)
+{
+    const size_t count = starts.size();
+    jobs_.resize(count);
+    order_.resize(count);
+    size_t most = kMaxLanes;
+    for (size_t i = 0; i < count; ++i) {
+        const Texel& t = texels_[starts[i].texel];
+        FitJob& job = jobs_[i];
+        const size_t n = t.firstNode;
+        job.nodes = {int(t.nodeCount), &x_[n], &y_[n], &z_[n], &weight_[n]};
+        job.mixture = terms_.data() + t.firstTerm;
+        job.mixtureCount = t.task.childCount;
+        job.energy = t.energy;
+        job.maxLog = against == Against::nodesOnce ? 10.0f : t.maxLog;
+        // A lobe at the lowest power starts a little above it: there the gradient is alive.
+        toUnknowns(family == kIsotropic ? isotropicShape(starts[i].shape) : starts[i].shape, job.maxLog,
+                   against == Against::nodesOnce ? 1e-6 : 0.02, job.unknowns);
+        order_[i] = &job;
+        most = std::max(most, t.nodeCount);
+    }
+    if (scratch_.size() < (4 * most + 64) * kMaxLanes)
+        scratch_.resize((4 * most + 64) * kMaxLanes);
+    SearchSettings settings;
+    settings.isotropic = family == kIsotropic;
+    if (against == Against::nodesOnce)
+        settings.maxEvaluations = 1;
+    if (against == Against::mixture) {
+        settings.maxEvaluations = 30;
+        kernels_.minimiseMixtures(order_.data(), int(count), settings, scratch_.data());
+    } else {
+        // Like sizes together: the lanes of a group walk their nodes in step.
+        std::stable_sort(order_.begin(), order_.end(),
+                         [](const FitJob* a, const FitJob* b) { return a->nodes.count > b->nodes.count; });
+        kernels_.minimise(order_.data(), int(count), settings, scratch_.data());
+    }
+    found.resize(count);
+    for (size_t i = 0; i < count; ++i)
+        found[i] = {against == Against::nodesOnce ? starts[i].shape : fromUnknowns(jobs_[i].unknowns),
+                    jobs_[i].error};
+}
+
+void Solver::solve()
+{
+    const bool closedForm = options_.method != Method::fit;
+    Selection selection;
+    starts_.clear();
+    for (size_t t = 0; t < texels_.size(); ++t)
+        if (closedForm || texels_[t].task.uniform)
+            starts_.push_back({uint32_t(t), texels_[t].task.shape});
+        else
+            selection.push_back(uint32_t(t));
+    run(starts_, kAnisotropic, Against::nodesOnce, found_);
+    keep(starts_, found_, kAnisotropic);
+    for (const Start& s : starts_)
+        texels_[s.texel].best[kIsotropic] = texels_[s.texel].best[kAnisotropic];
+    fitAnisotropic(selection);
+    const bool isotropic = options_.model == Model::blinnPhong && !closedForm;
+    if (isotropic)
+        fitIsotropic(selection);
+    for (const Texel& texel : texels_) {
+        const bool ownKs = closedForm || texel.task.uniform;
+        write(texel, texel.best[isotropic ? kIsotropic : kAnisotropic], texel.task.texel, ownKs);
+        if (texel.task.shadow)
+            write(texel, texel.best[kAnisotropic], texel.task.shadow, ownKs);
+    }
+    texels_.clear();
+    terms_.clear();
+    for (auto* v : {&x_, &y_, &z_, &weight_, channelWeight_, channelWeight_ + 1, channelWeight_ + 2})
+        v->clear();
+}
+
+void Solver::write(const Texel& texel, const Found& found, float* t, bool ownKs)
+{
+    const Shape& shape = found.shape;
+    t[kNx] = shape.nx;
+    t[kNy] = shape.ny;
+    t[kSxx] = shape.sxx;
+    t[kSxy] = shape.sxy;
+    t[kSyy] = shape.syy;
+    writeSpecular(texel, found, t, ownKs);
+    // The vector average of Kd N, along the stored N.
+    const double nz =
+        std::sqrt(std::max(0.0, 1.0 - double(shape.nx) * shape.nx - double(shape.ny) * shape.ny));
+    for (int c = 0; c < 3; ++c)
+        t[kKdR + c] =
+            float(std::max(0.0, glm::dot(texel.task.mean.kdNormal[c], glm::dvec3(shape.nx, shape.ny, nz))));
+}
+
+// Ks by projection, <G, f> / <f, f>, or the mean (`ownKs`: closed forms state it); E with that Ks.
+void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, bool ownKs)
+{
+    const TexelTask& task = texel.task;
+    const double meanKs = luminance(task.mean.ks);
+    if (meanKs <= 0.0) { // black: nothing to see, nothing to get wrong
+        t[kKsR] = t[kKsG] = t[kKsB] = t[kError] = 0.0f;
+        return;
+    }
+    const double norm = normOf(found.shape), energy = texel.energy;
+    const double overlap = std::sqrt(std::max(0.0, 1.0 - double(found.error)) * energy * norm);
+    const double ks = ownKs ? meanKs : overlap / norm;
+    t[kError] =
+        task.uniform ? 0.0f : float(std::max(0.0, (energy - 2.0 * ks * overlap + ks * ks * norm) / energy));
+    for (int c = 0; c < 3; ++c)
+        t[kKsR + c] = float(ownKs ? task.mean.ks[c] : ks * task.mean.ks[c] / meanKs);
+    if (!coloured_ || ownKs)
+        return;
+    for (int c = 0; c < 3; ++c) {
+        FitJob job;
+        const size_t n = texel.firstNode;
+        job.nodes = {int(texel.nodeCount), &x_[n], &y_[n], &z_[n], &channelWeight_[c][n]};
+        toUnknowns(found.shape, job.maxLog, 1e-6, job.unknowns);
+        if (scratch_.size() < 4 * texel.nodeCount * kMaxLanes)
+            scratch_.resize(4 * texel.nodeCount * kMaxLanes);
+        float channelOverlap = 0.0f, channelNorm = 1.0f;
+        kernels_.evaluate(job, &channelOverlap, &channelNorm, nullptr, scratch_.data());
+        t[kKsR + c] = channelOverlap / channelNorm;
+    }
+}
+
+} // namespace lumel::baker

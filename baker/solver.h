@@ -1,0 +1,101 @@
+// From a batch of texels with their average reflectance at quadrature nodes to fitted texels.
+#pragma once
+#include "fit_kernel.h"
+#include "moments.h"
+#include "quadrature.h"
+#include <array>
+
+namespace lumel::baker {
+
+// What the solver is told of one texel.
+struct TexelTask {
+    Moments mean;         // mean moments of its lobes
+    Shape shape;          // closed-form lobe, when the method is not `fit` or the texel is uniform
+    bool uniform = false; // all its lobes are `shape`: the fit is that lobe, exactly
+    // Lobes of the finer level under it with their Ks (luminance) and share of the area.
+    struct Child {
+        Shape shape;
+        float ks, share;
+    };
+    static constexpr int kMostChildren = 9;
+    std::array<Child, kMostChildren> children;
+    int childCount = 0;
+    float* texel = nullptr;  // kChannels floats to fill
+    float* shadow = nullptr; // the anisotropic fit beside an isotropic one, for the next level's children
+};
+
+class Solver {
+public:
+    explicit Solver(const Options& options, bool colouredSpecular);
+
+    // Adds a texel whose average reflectance is g[channel][node]; one channel (luminance) unless the
+    // specular is coloured.
+    void add(const TexelTask& task, const NodeSet& nodes, const float* const* g);
+    // Solves and writes what was added, and forgets it.
+    void solve();
+
+    int channels() const { return coloured_ ? 3 : 1; }
+
+private:
+    struct Found {
+        Shape shape;
+        float error = kNoError;
+    };
+    static constexpr float kNoError = 1e30f; // worse than any search
+    enum Family { kIsotropic, kAnisotropic };
+
+    struct Texel {
+        TexelTask task;
+        size_t firstNode, nodeCount;
+        size_t firstTerm;
+        float energy, maxLog;
+        Found best[2];  // by family
+        Found start[2]; // the two best minima of the mixture
+    };
+    using Selection = std::vector<uint32_t>;
+
+    void addMixture(Texel& texel);
+    // One search for each of `starts` (texel, shape).
+    struct Start {
+        uint32_t texel;
+        Shape shape;
+    };
+    enum class Against { mixture, nodes, nodesOnce };
+    void run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found);
+    void keep(const std::vector<Start>& starts, const std::vector<Found>& found, Family family);
+    void chooseStarts(const Selection& selection, Family family);
+    void searchExactly(const Selection& selection, Family family);
+    void searchClosedForms(const Selection& selection, Family family);
+    void fitIsotropic(const Selection& selection);
+    void fitAnisotropic(const Selection& selection);
+    Selection above(const Selection& selection, Family family, float error) const;
+    void write(const Texel& texel, const Found& found, float* to, bool ownKs);
+    void writeSpecular(const Texel& texel, const Found& found, float* to, bool ownKs);
+
+    const Kernels& kernels_;
+    Options options_;
+    bool coloured_;
+    std::vector<Texel> texels_;
+    std::vector<float> x_, y_, z_, weight_, channelWeight_[3]; // nodes of all texels
+    std::vector<MixtureTerm> terms_;
+    std::vector<FitJob> jobs_;
+    std::vector<FitJob*> order_;
+    std::vector<Start> starts_;
+    std::vector<Found> found_;
+    std::vector<float> scratch_;
+};
+
+// The minimiser's unknowns for a lobe; P - I is raised to at least `floor`.
+void toUnknowns(const Shape& shape, float maxLog, double floor, float* unknowns);
+Shape fromUnknowns(const float* unknowns);
+
+// <f, f> over the disc (fit_exact.inl).
+double normOf(const Shape& shape);
+
+// Ks of one number: Rec. 709 luminance, the weight of the shape fit.
+inline double luminance(glm::dvec3 c)
+{
+    return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+}
+
+} // namespace lumel::baker

@@ -1,0 +1,44 @@
+// Between lobes as they are stored and the minimiser's unknowns (fit_kernel.h).
+#include "fit_kernel.h"
+#include "solver.h"
+
+namespace lumel::baker {
+
+void toUnknowns(const Shape& shape, float maxLog, double floor, float* unknowns)
+{
+    const Sym2 s = clampPowers({shape.sxx, shape.sxy, shape.syy});
+    const Sym2 p = s.inverse();
+    const double u11 = std::sqrt(std::max(p.xx - 1.0, floor));
+    const double u12 = p.xy / u11;
+    const double u22 = std::sqrt(std::max(p.yy - 1.0 - u12 * u12, floor));
+    const double r2 = std::min(0.999, double(shape.nx) * shape.nx + double(shape.ny) * shape.ny);
+    const Sym2 disc = DiscFrame({shape.nx, shape.ny, std::sqrt(1.0 - r2)}).toDisc(s);
+    const double b11 = std::sqrt(disc.xx), b21 = disc.xy / b11;
+    unknowns[kX] = shape.nx;
+    unknowns[kY] = shape.ny;
+    unknowns[kL1] = std::min(float(std::log(u11)), maxLog);
+    unknowns[kL2] = std::min(float(std::log(u22)), maxLog);
+    unknowns[kL3] = float(u12 / u22);
+    unknowns[kB11] = float(b11);
+    unknowns[kB21] = float(b21);
+    unknowns[kB22] = float(std::sqrt(std::max(disc.yy - b21 * b21, 1e-10)));
+}
+
+Shape fromUnknowns(const float* unknowns)
+{
+    const double e1 = std::exp(double(unknowns[kL1])), e2 = std::exp(double(unknowns[kL2]));
+    const double shear = double(unknowns[kL3]) * e2;
+    const Sym2 p{1.0 + e1 * e1, e1 * shear, 1.0 + e2 * e2 + shear * shear};
+    const Sym2 s = clampPowers(p.inverse());
+    return {unknowns[kX], unknowns[kY], float(s.xx), float(s.xy), float(s.yy)};
+}
+
+double normOf(const Shape& shape)
+{
+    const Sym2 p = Sym2{shape.sxx, shape.sxy, shape.syy}.inverse();
+    const double nz2 = 1.0 - double(shape.nx) * shape.nx - double(shape.ny) * shape.ny;
+    const double plus = (p.xx + 1.0) * (p.yy + 1.0) - p.xy * p.xy;
+    return 3.14159265358979 * std::sqrt(std::max(nz2, 1e-4)) * p.det() / std::sqrt(plus);
+}
+
+} // namespace lumel::baker
