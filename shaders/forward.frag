@@ -19,9 +19,9 @@ void main()
     float level = push.level;
     if (level < 0.0)
         level = max(footprintOf(dFdx(uv), dFdy(uv), vec2(textureSize(mapNormal, 0)), 1.0).level, 0.0);
-    MaterialTexel material = sampleMaterial(uv, level);
-    if ((object.flags & kObjectMask) != 0u && material.opacity < object.alphaCutoff)
+    float opacity = sampleBeside(mapOpacity, uv, level).x;
+    if ((object.flags & kObjectMask) != 0u && opacity < object.alphaCutoff)
         discard;
-    colour = vec4(shadeSurface(view, object, material, positionInWorld, normalInWorld, tangentInWorld),
-                  material.opacity);
+    MaterialTexel material = sampleMaterial(uv, level);
+    colour = vec4(shadeSurface(view, object, material, positionInWorld, normalInWorld, tangentInWorld), opacity);
 }

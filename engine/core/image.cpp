@@ -15,6 +15,15 @@ std::string firstLine(std::string text)
     return text.substr(0, text.find('\n'));
 }
 
+// glTF's colours are not multiplied by their alpha, and normal or roughness maps with a fourth channel
+// even less; OpenImageIO's readers and writers would do it.
+OIIO::ImageSpec asStored()
+{
+    OIIO::ImageSpec config;
+    config.attribute("oiio:UnassociatedAlpha", 1);
+    return config;
+}
+
 Image readOpened(OIIO::ImageInput& input, const std::string& name)
 {
     const OIIO::ImageSpec& spec = input.spec();
@@ -44,7 +53,8 @@ Image readImage(const std::filesystem::path& file)
         throw Error(fmt::format("{}: is a folder; name an image file in it", name));
     if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, code) == 0)
         throw Error(fmt::format("{}: empty file (0 bytes); export it again", name));
-    auto input = OIIO::ImageInput::open(name);
+    const OIIO::ImageSpec config = asStored();
+    auto input = OIIO::ImageInput::open(name, &config);
     if (!input) {
         const std::string why = firstLine(OIIO::geterror());
         throw Error(fmt::format("{}: cannot be read as an image{}; use PNG, JPEG, TIFF or EXR", name,
@@ -65,7 +75,7 @@ Image readImage(std::span<const std::byte> bytes, const std::string& name)
             continue;
         OIIO::ImageSpec spec;
         reader.seek(0);
-        if (input->open(name, spec))
+        if (input->open(name, spec, asStored()))
             return readOpened(*input, name);
         (void)input->geterror();
     }
@@ -86,8 +96,9 @@ void writeImage(const std::filesystem::path& file, const Image& image)
     writeAtomically(file, [&](const std::filesystem::path& temporary) {
         auto output = OIIO::ImageOutput::create(temporary.string());
         OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
-        // No time stamps or software versions: the same picture is the same file.
-        spec.erase_attribute("DateTime");
+        // A fixed date: the same picture is the same file, whenever it is made.
+        spec.attribute("DateTime", "1970:01:01 00:00:00"); // erased, the EXR writer would add the present one
+        spec.attribute("oiio:UnassociatedAlpha", 1);
         if (extension == ".png")
             spec.attribute("png:compressionLevel", 6);
         else if (extension == ".exr")

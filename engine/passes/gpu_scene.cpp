@@ -8,8 +8,8 @@ namespace {
 using baker::kChannels;
 using HalfLevels = std::vector<std::vector<uint16_t>>;
 
-// Four channels of every level, packed to half floats. Channel indices of the baked texel; -1 writes `fill`.
-HalfLevels packLevels(const baker::ReflectanceMips& mips, std::array<int, 4> channels, float fill)
+// Four channels of every level, packed to half floats.
+HalfLevels packLevels(const baker::ReflectanceMips& mips, std::array<baker::Channel, 4> channels)
 {
     HalfLevels packed;
     for (const baker::Level& level : mips.levels) {
@@ -19,8 +19,7 @@ HalfLevels packLevels(const baker::ReflectanceMips& mips, std::array<int, 4> cha
             std::vector<float> row(range.size() * 4);
             for (size_t i = range.begin(); i < range.end(); ++i)
                 for (size_t c = 0; c < 4; ++c)
-                    row[(i - range.begin()) * 4 + c] =
-                        channels[c] < 0 ? fill : level.texels[i * kChannels + size_t(channels[c])];
+                    row[(i - range.begin()) * 4 + c] = level.texels[i * kChannels + size_t(channels[c])];
             floatsToHalf(row, halves.data() + range.begin() * 4);
         });
         packed.push_back(std::move(halves));
@@ -28,14 +27,18 @@ HalfLevels packLevels(const baker::ReflectanceMips& mips, std::array<int, 4> cha
     return packed;
 }
 
-HalfLevels packImages(const std::vector<Image>& chain)
+gpu::Image uploadChain(const gpu::Device& device, const std::vector<Image>& chain, const std::string& name)
 {
     HalfLevels packed;
     for (const Image& image : chain) {
-        packed.emplace_back(image.pixels.size());
-        floatsToHalf(image.pixels, packed.back().data());
+        const size_t count = size_t(image.width) * image.height;
+        std::vector<float> rgba(count * 4, 1.0f);
+        for (size_t i = 0; i < count; ++i)
+            std::copy_n(image.pixels.data() + i * size_t(image.channels), image.channels, rgba.data() + i * 4);
+        packed.emplace_back(rgba.size());
+        floatsToHalf(rgba, packed.back().data());
     }
-    return packed;
+    return gpu::uploadHalfImage(device, uint32_t(chain.front().width), uint32_t(chain.front().height), packed, name);
 }
 
 shared::Light packLight(const scene::Light& light)
@@ -58,7 +61,7 @@ shared::Light packLight(const scene::Light& light)
 GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
                    const std::vector<scene::BakedMaterial>& materials)
     : materialLayout_(gpu::makeSetLayout(
-          device, std::vector<vk::DescriptorType>(4, vk::DescriptorType::eCombinedImageSampler))),
+          device, std::vector<vk::DescriptorType>(5, vk::DescriptorType::eCombinedImageSampler))),
       sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
                                  .minFilter = vk::Filter::eLinear,
                                  .mipmapMode = vk::SamplerMipmapMode::eLinear,
@@ -83,19 +86,20 @@ void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMater
     using enum baker::Channel;
     const auto& mips = baked.reflectance;
     const auto width = uint32_t(mips.levels.front().width), height = uint32_t(mips.levels.front().height);
-    const auto upload = [&](std::array<int, 4> channels, const char* what) {
-        return gpu::uploadHalfImage(device, width, height, packLevels(mips, channels, 1.0f), name + what);
+    const auto upload = [&](std::array<baker::Channel, 4> channels, const char* what) {
+        return gpu::uploadHalfImage(device, width, height, packLevels(mips, channels), name + what);
     };
     GpuMaterial material;
     material.size = {width, height};
     material.normal = upload({kNx, kNy, kSxx, kSyy}, " normal");
     material.specular = upload({kKsR, kKsG, kKsB, kSxy}, " specular");
-    material.diffuse = upload({kKdR, kKdG, kKdB, -1}, " diffuse");
-    material.glow = gpu::uploadHalfImage(device, uint32_t(baked.glow.front().width),
-                                         uint32_t(baked.glow.front().height), packImages(baked.glow), name + " glow");
+    material.diffuse = upload({kKdR, kKdG, kKdB, kError}, " diffuse");
+    material.glow = uploadChain(device, baked.glow, name + " glow");
+    material.opacity = uploadChain(device, baked.opacity, name + " opacity");
     material.set = gpu::makeSet(device, materialLayout_);
     uint32_t binding = 0;
-    for (const gpu::Image* image : {&material.normal, &material.specular, &material.diffuse, &material.glow})
+    for (const gpu::Image* image : {&material.normal, &material.specular, &material.diffuse, &material.glow,
+                                    &material.opacity})
         gpu::writeSampled(device, *material.set, binding++, *sampler_, image->view());
     materials_.push_back(std::move(material));
 }

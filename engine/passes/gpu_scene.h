@@ -19,7 +19,7 @@ struct GpuTexelMap {
 };
 
 struct GpuMaterial {
-    gpu::Image normal, specular, diffuse, glow;
+    gpu::Image normal, specular, diffuse, glow, opacity;
     vk::raii::DescriptorSet set = nullptr;
     glm::uvec2 size{1};
 };

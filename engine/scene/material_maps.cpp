@@ -259,6 +259,23 @@ Image glowImage(const Scene& scene, const Material& material)
     return glow;
 }
 
+Image opacityImage(const Scene& scene, const Material& material)
+{
+    Image opacity(1, 1, 1);
+    opacity.pixels = {material.alphaMode == AlphaMode::opaque ? 1.0f : material.baseColor.a};
+    if (material.alphaMode == AlphaMode::opaque || material.baseColorImage < 0)
+        return opacity;
+    Decoder decoder(scene);
+    const Image& base = *decoder.get(material.baseColorImage);
+    if (base.channels != 2 && base.channels != 4) // grey or colour with alpha last
+        return opacity;
+    Image varying(base.width, base.height, 1);
+    for (size_t i = 0; i < varying.pixels.size(); ++i)
+        varying.pixels[i] =
+            material.baseColor.a * base.pixels[i * size_t(base.channels) + size_t(base.channels) - 1];
+    return varying;
+}
+
 std::vector<Image> mipChain(Image image)
 {
     std::vector<Image> levels;

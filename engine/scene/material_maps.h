@@ -13,6 +13,9 @@ bool glowVaries(const Material& material);
 // Emitted radiance (rgb) and ambient occlusion (alpha); 1 x 1 when it does not vary.
 Image glowImage(const Scene& scene, const Material& material);
 
+// Base colour alpha, one channel; 1 x 1 when opaque or without an image that has alpha.
+Image opacityImage(const Scene& scene, const Material& material);
+
 // The image and its halves down to 1 x 1: level L is max(1, floor(size / 2^L)), each texel the average
 // of the area that it covers.
 std::vector<Image> mipChain(Image image);

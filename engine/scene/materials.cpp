@@ -59,6 +59,9 @@ std::vector<BakedMaterial> bakeMaterials(const Scene& scene, const MaterialOptio
                          scene.file.string(), material.name);
         ++bakedCount;
     }
+    // Not cached: few materials have any, and twins may differ in it.
+    for (size_t i = 0; i < all.size(); ++i)
+        all[i].opacity = mipChain(opacityImage(scene, scene.materials[i]));
     if (bakedCount > 0) {
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         spdlog::info("{}: {} of {} materials baked in {:.1f} s", scene.file.string(), bakedCount,

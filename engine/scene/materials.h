@@ -10,6 +10,9 @@ struct BakedMaterial {
     // What the material adds and takes away besides reflecting: rgb = emitted radiance (linear), alpha =
     // ambient occlusion (1 open). Levels as in `reflectance`, of a size of its own; 1 x 1 when constant.
     std::vector<Image> glow;
+    // One channel, the share of light that the surface stops: base colour alpha of masked and blended
+    // materials, mipped; 1 x 1 where it does not vary.
+    std::vector<Image> opacity;
 };
 
 struct MaterialOptions {

@@ -7,39 +7,42 @@
 
 layout(set = 0, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
 layout(set = 0, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
-layout(set = 0, binding = 2) uniform sampler2D mapDiffuse;  // Kd opacity
+layout(set = 0, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
 layout(set = 0, binding = 3) uniform sampler2D mapGlow;     // emitted radiance, ambient occlusion
+layout(set = 0, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
 
 struct MaterialTexel {
     vec2 normal;
     vec3 covariance;
     vec3 specular;
     vec3 diffuse;
-    float opacity;
     vec3 emitted;
     float occlusion;
 };
 
 MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 glow)
 {
-    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, diffuse.a,
-                         glow.rgb, glow.a);
+    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, glow.rgb, glow.a);
+}
+
+// Maps beside the reflectance are chains of their own: as many levels coarser as they are smaller.
+vec4 sampleBeside(sampler2D map, vec2 uv, float level)
+{
+    float offset = log2(float(textureSize(mapNormal, 0).x) / float(textureSize(map, 0).x));
+    return textureLod(map, uv, max(level - offset, 0.0));
 }
 
 MaterialTexel sampleMaterial(vec2 uv, float level)
 {
-    // The glow maps are their own chain: as many levels coarser as they are smaller.
-    float glowLevel = level - log2(float(textureSize(mapNormal, 0).x) / float(textureSize(mapGlow, 0).x));
     return unpackMaterial(textureLod(mapNormal, uv, level), textureLod(mapSpecular, uv, level),
-                          textureLod(mapDiffuse, uv, level), textureLod(mapGlow, uv, max(glowLevel, 0.0)));
+                          textureLod(mapDiffuse, uv, level), sampleBeside(mapGlow, uv, level));
 }
 
 // Where lumels and material texels coincide: no filtering.
-MaterialTexel fetchMaterial(ivec2 texel, int level, vec2 uv) // level: of the material
+MaterialTexel fetchMaterial(ivec2 texel, int level, vec2 uv)
 {
-    float glowLevel = float(level) - log2(float(textureSize(mapNormal, 0).x) / float(textureSize(mapGlow, 0).x));
     return unpackMaterial(texelFetch(mapNormal, texel, level), texelFetch(mapSpecular, texel, level),
-                          texelFetch(mapDiffuse, texel, level), textureLod(mapGlow, uv, max(glowLevel, 0.0)));
+                          texelFetch(mapDiffuse, texel, level), sampleBeside(mapGlow, uv, float(level)));
 }
 
 // position, normal, tangent (w = handedness) in world space, not necessarily unit.

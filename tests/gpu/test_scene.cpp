@@ -66,6 +66,8 @@ void TestScene::add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& 
     baked.reflectance = baker::bake(maps, {.model = baker::Model::blinnPhong});
     baked.glow.emplace_back(1, 1, 4);
     baked.glow.front().pixels = {0.0f, 0.0f, 0.0f, 1.0f};
+    baked.opacity.emplace_back(1, 1, 1);
+    baked.opacity.front().pixels = {1.0f};
     materials.push_back(std::move(baked));
 }
 

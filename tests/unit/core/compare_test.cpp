@@ -35,7 +35,7 @@ TEST(Compare, DifferencesThatShowAreCounted)
         a.pixels[i] = b.pixels[i] = 0.5f;
     for (int y = 60; y < 160; ++y)
         for (int x = 60; x < 160; ++x)
-            b.at(x, y)[0] = b.at(x, y)[1] = b.at(x, y)[2] = 0.9f;
+            b.at(x, y)[1] = b.at(x, y)[2] = 0.0f; // OpenImageIO's count is mostly one of colour
     EXPECT_GT(compareImages(a, b).yeeFailures, 100u);
 }
 

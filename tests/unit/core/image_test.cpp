@@ -72,8 +72,7 @@ TEST_F(Images, PngKeepsEightBits)
     }
 }
 
-// Off until core/image.cpp asks OpenImageIO for unassociated alpha: base colours with alpha come out dark.
-TEST_F(Images, DISABLED_ColoursAreNotMultipliedByAlpha)
+TEST_F(Images, ColoursAreNotMultipliedByAlpha)
 {
     const Image image = gradient(13, 5, 4);
     writeImage(folder / "a.png", image);
@@ -97,8 +96,7 @@ TEST_F(Images, ExrKeepsHalfFloatsBeyondOne)
         EXPECT_NEAR(read.pixels[i], image.pixels[i], std::abs(image.pixels[i]) / 2048.0f + 1e-7f);
 }
 
-// Off until core/image.cpp sets a fixed date: OpenImageIO's EXR writer adds the present one.
-TEST_F(Images, DISABLED_SameImageIsTheSameFile)
+TEST_F(Images, SameImageIsTheSameFile)
 {
     for (const char* name : {"a.png", "a.exr"}) {
         writeImage(folder / name, gradient(40, 30, 3));
