@@ -10,7 +10,7 @@ namespace {
 // Below this error the average is one bump and has one minimum: all starts end there.
 constexpr float kSettledError = 0.01f;
 // Above this error no single lobe fits, and minima are many: try the isotropic ones too.
-constexpr float kHopelessError = 0.2f;
+constexpr float kHopelessError = 0.06f;
 // A closed form this narrow, relative to the mean lobe, says that the lobes lie within each other.
 constexpr float kCompact = 0.7f;
 
