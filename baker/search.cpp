@@ -8,7 +8,7 @@ namespace lumel::baker {
 namespace {
 
 // Below this error the average is one bump and has one minimum: all starts end there.
-constexpr float kSettledError = 0.01f;
+constexpr float kSettledError = 0.03f;
 // Above this error no single lobe fits, and minima are many: try the isotropic ones too.
 constexpr float kHopelessError = 0.06f;
 // A closed form this narrow, relative to the mean lobe, says that the lobes lie within each other.
@@ -121,23 +121,24 @@ void Solver::fitIsotropic(const Selection& selection)
 {
     chooseStarts(selection, kIsotropic);
     searchExactly(selection, kIsotropic);
-    searchClosedForms(above(selection, kIsotropic, kSettledError), kIsotropic);
+    searchClosedForms(above(selection, kIsotropic, kHopelessError), kIsotropic);
 }
 
 void Solver::fitAnisotropic(const Selection& selection)
 {
     chooseStarts(selection, kAnisotropic);
     searchExactly(selection, kAnisotropic);
-    searchClosedForms(above(selection, kAnisotropic, kSettledError), kAnisotropic);
+    searchClosedForms(above(selection, kAnisotropic, kHopelessError), kAnisotropic);
     // From the isotropic fit too, so that the result cannot be worse than it.
     const Selection hopeless = above(selection, kAnisotropic, kHopelessError);
     fitIsotropic(hopeless);
     starts_.clear();
     for (const uint32_t t : hopeless) {
         Found* best = texels_[t].best;
-        starts_.push_back({t, best[kIsotropic].shape});
-        if (best[kIsotropic].error < best[kAnisotropic].error)
+        if (best[kIsotropic].error < best[kAnisotropic].error) {
             best[kAnisotropic] = best[kIsotropic];
+            starts_.push_back({t, best[kIsotropic].shape});
+        }
     }
     run(starts_, kAnisotropic, Against::nodes, found_);
     keep(starts_, found_, kAnisotropic);
