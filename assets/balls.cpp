@@ -132,7 +132,7 @@ const std::array<BallLook, 5> kBalls{{
     {"scratched", scratched, 0.22f, {.baseColour = {0.60f, 0.61f, 0.63f}, .metallic = 1.0f, .power = 90.0f}},
     {"bricks", bricked, 0.40f, {.baseColour = glm::vec3(1.0f), .power = 60.0f}, true},
     {"hammered", hammered, 0.28f, {.baseColour = {0.93f, 0.52f, 0.36f}, .metallic = 1.0f, .power = 50.0f}},
-    {"brushed", brushed, 0.25f, {.baseColour = {1.0f, 0.74f, 0.32f}, .metallic = 1.0f, .power = 90.0f}},
+    {"brushed", brushed, 0.25f, {.baseColour = {1.0f, 0.66f, 0.34f}, .metallic = 1.0f, .power = 90.0f}},
 }};
 
 } // namespace
