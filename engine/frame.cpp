@@ -31,9 +31,6 @@ Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
       timer_(device), view_(device, sizeof(shared::View), gpu::Buffer::Home::host, "view"),
       commands_(device.handle(), {.commandPool = *device.commandPool(), .commandBufferCount = 1})
 {
-    // Samples form a square grid inside the pixel.
-    const int side = int(std::ceil(std::sqrt(double(settings_.samples))));
-    settings_.samples = side * side;
 }
 
 void Renderer::assignRoom(Frame& frame)
@@ -49,14 +46,21 @@ void Renderer::assignRoom(Frame& frame)
     begin(frame);
 }
 
+// Sub-pixel position of the reference's sample i, in [-0.5, 0.5): the R2 sequence (Roberts 2018, "The
+// Unreasonable Effectiveness of Quasirandom Sequences"), from the plastic number. A square grid would beat
+// against regular detail such as grooves.
+static glm::vec2 shiftOfSample(int i)
+{
+    const auto fraction = [](double x) { return float(x - std::floor(x)); };
+    return {fraction(0.5 + 0.7548776662466927 * i) - 0.5f, fraction(0.5 + 0.5698402909980532 * i) - 0.5f};
+}
+
 void Renderer::recordReference(Frame& frame)
 {
-    const int side = int(std::lround(std::sqrt(double(settings_.samples))));
     Progress progress("reference", size_t(settings_.samples));
     display_.clearSum(frame);
     for (int i = 0; i < settings_.samples; ++i) {
-        const glm::vec2 cell(float(i % side), float(i / side));
-        writeView(frame, (cell + 0.5f) / float(side) - 0.5f);
+        writeView(frame, shiftOfSample(i));
         draw_.record(frame, pool_);
         display_.accumulate(frame);
         finish(frame); // bounded work per submission, and a place for Ctrl-C

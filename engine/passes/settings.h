@@ -14,7 +14,7 @@ struct Settings {
     DrawFilter filter = DrawFilter::catmullRom;
     float anisotropy = 8.0f; // most taps along a footprint's long axis when drawing lit textures
     int msaa = 4;            // coverage samples of tsl and forward: 1 or 4
-    int samples = 64;        // reference: shifted frames per picture, rounded up to a square
+    int samples = 64;        // reference: shifted frames per picture
     float exposure = 1.0f;
     size_t poolBytes = size_t(256) << 20;
 };
