@@ -10,10 +10,15 @@ public:
     Averager(bool isotropicBase, bool colouredSpecular);
     // g()[channel][node] of the members. `black`: all Ks are 0; they count as 1, to fit the shape.
     void average(const Lobes& lobes, const std::vector<Member>& members, bool black, const NodeSet& nodes);
+    // Adds the members to sums[channel * nodes + node], each only at the nodes of its support.
+    void scatter(const Lobes& lobes, const std::vector<Member>& members, bool black,
+                 const SharedLattice& lattice, float* sums);
     const float* const* g() const { return pointers_; }
     int channels() const { return channels_; }
 
 private:
+    LobeTerm term(const Lobes& lobes, const Member& member, bool black, int channel) const;
+
     const Kernels& kernels_;
     bool isotropic_;
     int channels_;

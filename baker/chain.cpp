@@ -7,8 +7,9 @@
 
 namespace lumel::baker {
 namespace {
-// A texel of level 4 covers 16 x 16 lobes: the last level that averages them anew for every texel.
-constexpr int kLastFineLevel = 4;
+// Levels 1 and 2 average the few lobes under each texel at nodes of their own; from here on averages are
+// summed from finer ones.
+constexpr int kFirstCoarseLevel = 3;
 } // namespace
 
 Chain::Chain(const Maps& maps, const Options& options, Progress* progress)
@@ -33,10 +34,19 @@ std::vector<Level> Chain::run()
             if (shadows_.size() > 1) // level 0 is the input in both
                 shadows_.back().texels.resize(level.texels.size());
         }
-    for (int number = 1; number < std::min(count, kLastFineLevel + 1); ++number)
+    int number = 1;
+    std::unique_ptr<CoarseCells> cells;
+    if (count > kFirstCoarseLevel)
+        cells = std::make_unique<CoarseCells>(*this, kFirstCoarseLevel);
+    for (; number < (cells ? cells->firstLevel() : count); ++number)
         fineLevel(number);
-    if (count > kLastFineLevel + 1)
-        coarseLevels(kLastFineLevel + 1);
+    if (cells)
+        cells->averageCells();
+    for (; number < count; ++number) {
+        if (heights_)
+            heights_->setLevel(levels_[size_t(number)].width, levels_[size_t(number)].height);
+        cells->solveLevel(number);
+    }
     return std::move(levels_);
 }
 
@@ -115,16 +125,6 @@ void Chain::fineLevel(int number)
         for (int i = range.begin(); i < range.end(); ++i)
             worker.run(number, i % across * tile, i / across * tile, tile);
     });
-}
-
-void Chain::coarseLevels(int first)
-{
-    CoarseCells cells(*this, first);
-    for (int number = first; number < int(levels_.size()); ++number) {
-        if (heights_)
-            heights_->setLevel(levels_[size_t(number)].width, levels_[size_t(number)].height);
-        cells.solveLevel(number);
-    }
 }
 
 } // namespace lumel::baker

@@ -16,9 +16,6 @@ private:
     Level baseLevel() const;
     // Levels whose texels cover few lobes: nodes of their own for each texel.
     void fineLevel(int number);
-    // Levels above: lobes are averaged once on nodes that all texels share, in cells whose borders are
-    // the borders of all these levels, and the cells are then summed.
-    void coarseLevels(int first);
     void advance(size_t units) const;
     struct TexelTask makeTask(int number, int x, int y, const struct Moments& mean);
 

@@ -6,17 +6,41 @@
 
 namespace lumel::baker {
 
-CoarseCells::CoarseCells(Chain& chain, int firstLevel) : chain_(chain)
+namespace {
+
+constexpr size_t kMostCells = 65536;
+constexpr size_t kMostBytes = size_t(256) << 20;
+constexpr size_t kMostSharedNodes = 8192;
+
+// Index of the border at `at` among ascending borders.
+int borderIndex(const std::vector<double>& cuts, double at)
+{
+    return int(std::lower_bound(cuts.begin(), cuts.end(), at - 1e-6) - cuts.begin());
+}
+
+} // namespace
+
+CoarseCells::CoarseCells(Chain& chain, int firstLevel) : chain_(chain), firstLevel_(firstLevel)
 {
     const int levels = int(chain.levels_.size());
-    cutsX_ = borders(chain.source_.width(), firstLevel, levels);
-    cutsY_ = borders(chain.source_.height(), firstLevel, levels);
+    channels_ = chain.source_.colouredSpecular() ? 3 : 1;
+    const auto plan = [&] {
+        cutsX_ = borders(chain.source_.width(), firstLevel_, levels);
+        cutsY_ = borders(chain.source_.height(), firstLevel_, levels);
+        return (cutsX_.size() - 1) * (cutsY_.size() - 1);
+    };
+    while (plan() > kMostCells && firstLevel_ < levels - 1)
+        ++firstLevel_;
     across_ = int(cutsX_.size()) - 1;
     down_ = int(cutsY_.size()) - 1;
     cells_.resize(size_t(across_) * size_t(down_));
-    channels_ = chain.source_.colouredSpecular() ? 3 : 1;
     gatherMoments();
-    averageCells();
+    planNodes();
+    const auto bytes = [&] {
+        return cells_.size() * lattice_.nodes().size() * size_t(channels_) * sizeof(float);
+    };
+    while (bytes() > kMostBytes && firstLevel_ < levels - 1)
+        coarsen(++firstLevel_);
 }
 
 std::vector<double> CoarseCells::borders(int size, int firstLevel, int levels)
@@ -68,7 +92,7 @@ void CoarseCells::gatherMoments()
     });
 }
 
-void CoarseCells::averageCells()
+void CoarseCells::planNodes()
 {
     glm::vec2 lower(1e30f), upper(-1e30f);
     Moments all;
@@ -77,23 +101,67 @@ void CoarseCells::averageCells()
         upper = glm::max(upper, cell.upper);
         all.add(cell.sum);
     }
-    Lattice::planShared(lower, upper, all.energyPower / all.energy, nodes_);
-    const size_t stride = nodes_.size() * size_t(channels_);
-    g_.resize(stride * cells_.size());
-    // Where the whole map is black, its shape is fitted as if it were white.
-    const bool black = luminance(all.ks) <= 0.0;
+    black_ = luminance(all.ks) <= 0.0;
+    lattice_.plan(lower, upper, all.energyNarrow / all.energy, kMostSharedNodes);
+}
+
+void CoarseCells::averageCells()
+{
+    const size_t stride = lattice_.nodes().size() * size_t(channels_);
+    g_.assign(stride * cells_.size(), 0.0f);
     tbb::parallel_for(tbb::blocked_range<int>(0, across_ * down_), [&](const auto& range) {
         Averager averager(chain_.source_.isotropic(), chain_.source_.colouredSpecular());
         Lobes lobes;
         std::vector<Member> members;
         for (int cell = range.begin(); cell < range.end(); ++cell) {
             gather(cell, lobes, members);
-            averager.average(lobes, members, black, nodes_);
-            for (int c = 0; c < channels_; ++c)
-                std::copy_n(averager.g()[c], nodes_.size(),
-                            g_.begin() + std::ptrdiff_t(size_t(cell) * stride + size_t(c) * nodes_.size()));
+            averager.scatter(lobes, members, black_, lattice_, g_.data() + size_t(cell) * stride);
         }
     });
+}
+
+void CoarseCells::coarsen(int level)
+{
+    const int levels = int(chain_.levels_.size());
+    std::vector<double> newX = borders(chain_.source_.width(), level, levels);
+    std::vector<double> newY = borders(chain_.source_.height(), level, levels);
+    const int newAcross = int(newX.size()) - 1, newDown = int(newY.size()) - 1;
+    const size_t stride = cells_.empty() ? 0 : g_.size() / cells_.size();
+    std::vector<Cell> merged(size_t(newAcross) * size_t(newDown));
+    std::vector<float> g(stride * merged.size(), 0.0f);
+    tbb::parallel_for(tbb::blocked_range<int>(0, newDown), [&](const auto& rows) {
+        for (int j = rows.begin(); j < rows.end(); ++j)
+            for (int i = 0; i < newAcross; ++i) {
+                const size_t to = size_t(j) * size_t(newAcross) + size_t(i);
+                Cell& cell = merged[to];
+                const int y1 = borderIndex(cutsY_, newY[size_t(j) + 1]),
+                          x1 = borderIndex(cutsX_, newX[size_t(i) + 1]);
+                for (int y = borderIndex(cutsY_, newY[size_t(j)]); y < y1; ++y)
+                    for (int x = borderIndex(cutsX_, newX[size_t(i)]); x < x1; ++x) {
+                        const size_t from = size_t(y) * size_t(across_) + size_t(x);
+                        cell.merge(cells_[from]);
+                        for (size_t k = 0; k < stride; ++k)
+                            g[to * stride + k] += g_[from * stride + k];
+                    }
+            }
+    });
+    cells_ = std::move(merged);
+    g_ = std::move(g);
+    cutsX_ = std::move(newX);
+    cutsY_ = std::move(newY);
+    across_ = newAcross;
+    down_ = newDown;
+}
+
+void CoarseCells::Cell::merge(const Cell& other)
+{
+    const Shape &a = shape, &b = other.shape;
+    const bool same = a.nx == b.nx && a.ny == b.ny && a.sxx == b.sxx && a.sxy == b.sxy && a.syy == b.syy;
+    uniform = other.uniform && (sum.weight == 0.0 || (uniform && same));
+    shape = other.shape;
+    sum.add(other.sum);
+    lower = glm::min(lower, other.lower);
+    upper = glm::max(upper, other.upper);
 }
 
 // Sums the cells under a texel and keeps the nodes where its average reflectance is not negligible.
@@ -101,44 +169,37 @@ void CoarseCells::addTexel(int number, int x, int y, Solver& solver) const
 {
     const Level& level = chain_.levels_[size_t(number)];
     const Footprint fx(x, level.width, chain_.source_.width()), fy(y, level.height, chain_.source_.height());
-    const auto cut = [](const std::vector<double>& cuts, double at) {
-        return int(std::lower_bound(cuts.begin(), cuts.end(), at - 1e-6) - cuts.begin());
-    };
-    const int x0 = cut(cutsX_, fx.begin), x1 = cut(cutsX_, fx.end);
-    const int y0 = cut(cutsY_, fy.begin), y1 = cut(cutsY_, fy.end);
-    const size_t count = nodes_.size(), stride = count * size_t(channels_);
-    Moments sum;
-    std::vector<double> total(stride, 0.0);
-    bool uniform = true;
-    const Cell& front = cells_[size_t(y0) * size_t(across_) + size_t(x0)];
+    const int x0 = borderIndex(cutsX_, fx.begin), x1 = borderIndex(cutsX_, fx.end);
+    const int y0 = borderIndex(cutsY_, fy.begin), y1 = borderIndex(cutsY_, fy.end);
+    const NodeSet& shared = lattice_.nodes();
+    const size_t count = shared.size(), stride = count * size_t(channels_);
+    Cell cell;
+    std::vector<float> total(stride, 0.0f);
     for (int j = y0; j < y1; ++j)
         for (int i = x0; i < x1; ++i) {
             const size_t c = size_t(j) * size_t(across_) + size_t(i);
-            sum.add(cells_[c].sum);
+            cell.merge(cells_[c]);
             for (size_t k = 0; k < stride; ++k)
                 total[k] += g_[c * stride + k];
-            const Shape &a = cells_[c].shape, &b = front.shape;
-            uniform = uniform && cells_[c].uniform && a.nx == b.nx && a.ny == b.ny && a.sxx == b.sxx &&
-                      a.sxy == b.sxy && a.syy == b.syy;
         }
-    TexelTask task = chain_.makeTask(number, x, y, sum.mean());
-    task.uniform = uniform && chain_.options_.method == Method::fit;
+    TexelTask task = chain_.makeTask(number, x, y, cell.sum.mean());
+    task.uniform = cell.uniform && chain_.options_.method == Method::fit;
     if (task.uniform)
-        task.shape = front.shape;
+        task.shape = cell.shape;
     double peak = 0.0;
-    for (double v : total)
-        peak = std::max(peak, v);
+    for (const float v : total)
+        peak = std::max(peak, double(v));
     NodeSet nodes;
     std::vector<float> g[3];
     for (size_t k = 0; k < count; ++k) {
         double here = 0.0;
         for (int c = 0; c < channels_; ++c)
-            here = std::max(here, total[size_t(c) * count + k]);
-        if (here < 1e-5 * peak)
+            here = std::max(here, double(total[size_t(c) * count + k]));
+        if (here <= 1e-5 * peak)
             continue;
-        nodes.add(nodes_.x[k], nodes_.y[k], nodes_.z[k], nodes_.area[k]);
+        nodes.add(shared.x[k], shared.y[k], shared.z[k], shared.area[k]);
         for (int c = 0; c < channels_; ++c)
-            g[c].push_back(float(total[size_t(c) * count + k] / sum.weight));
+            g[c].push_back(float(total[size_t(c) * count + k] / cell.sum.weight));
     }
     nodes.pad();
     for (auto& channel : g)
@@ -149,6 +210,7 @@ void CoarseCells::addTexel(int number, int x, int y, Solver& solver) const
 
 void CoarseCells::solveLevel(int number)
 {
+    coarsen(number);
     const Level& level = chain_.levels_[size_t(number)];
     const int total = level.width * level.height;
     constexpr int kBatch = 64;

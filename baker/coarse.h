@@ -8,8 +8,12 @@ namespace lumel::baker {
 
 class CoarseCells {
 public:
-    // Averages the whole source for the levels from `firstLevel` on.
+    // Surveys the source in cells for the levels from `firstLevel` on, or from the first level on whose
+    // averages fit in the memory allowed.
     CoarseCells(Chain& chain, int firstLevel);
+    int firstLevel() const { return firstLevel_; }
+    // Averages the whole source; then the levels are solved one after the other.
+    void averageCells();
     void solveLevel(int number);
 
 private:
@@ -18,19 +22,24 @@ private:
         glm::vec2 lower{1e30f}, upper{-1e30f}; // Lambert coordinates of its normals
         bool uniform = true;                   // one and the same lobe throughout
         Shape shape;
+        void merge(const Cell& other);
     };
     // Borders of the texels of all coarse levels on one axis, ascending.
     static std::vector<double> borders(int size, int firstLevel, int levels);
     void gather(int cell, Lobes& lobes, std::vector<Member>& members) const;
     void gatherMoments();
-    void averageCells();
+    void planNodes();
+    // Merges cells into those of the levels from `level` on.
+    void coarsen(int level);
     void addTexel(int number, int x, int y, Solver& solver) const;
 
     Chain& chain_;
     std::vector<double> cutsX_, cutsY_;
     int across_ = 0, down_ = 0;
     std::vector<Cell> cells_;
-    NodeSet nodes_;
+    SharedLattice lattice_;
+    int firstLevel_;
+    bool black_ = false; // no specular anywhere: shapes are fitted as if it were white
     int channels_ = 1;
     std::vector<float> g_; // [cell][channel][node], area-weighted sums
 };

@@ -18,7 +18,9 @@ void Moments::add(const Lobes& lobes, size_t i, double area)
     energy += area * std::sqrt(det);
     energyPower += area * det;
     const double half = 0.5 * (p.xx - p.yy);
-    maxPower = std::max(maxPower, 0.5 * (p.xx + p.yy) + std::sqrt(half * half + p.xy * p.xy));
+    const double largest = 0.5 * (p.xx + p.yy) + std::sqrt(half * half + p.xy * p.xy);
+    maxPower = std::max(maxPower, largest);
+    energyNarrow += area * std::sqrt(det) * largest;
     for (int c = 0; c < 3; ++c) {
         ks[c] += area * lobes.ks[c][i];
         kdNormal[c] += area * double(lobes.kd[c][i]) * n;
@@ -34,6 +36,7 @@ void Moments::add(const Moments& o)
     precision = precision + o.precision;
     energy += o.energy;
     energyPower += o.energyPower;
+    energyNarrow += o.energyNarrow;
     maxPower = std::max(maxPower, o.maxPower);
     ks += o.ks;
     for (int c = 0; c < 3; ++c)
@@ -50,6 +53,7 @@ Moments Moments::mean() const
     m.precision = m.precision * f;
     m.energy *= f;
     m.energyPower *= f;
+    m.energyNarrow *= f;
     m.ks *= f;
     for (auto& v : m.kdNormal)
         v *= f;

@@ -112,7 +112,7 @@ void NodeSet::add(float nx, float ny, float nz, float nodeArea)
 
 void NodeSet::pad()
 {
-    while (size() % kMaxLanes != 0)
+    while (size() == 0 || size() % kMaxLanes != 0)
         add(0.0f, 0.0f, 1.0f, 0.0f);
 }
 
@@ -120,18 +120,18 @@ void Lattice::plan(const Lobes& lobes, const std::vector<Member>& members, const
                    NodeSet& nodes)
 {
     const size_t count = members.size();
-    const double power = mean.energyPower / mean.energy;
+    const double power = mean.energyPower / mean.energy, narrow = mean.energyNarrow / mean.energy;
     const auto rim = [&] { // does some lobe reach the rim?
         for (size_t i = 0; i < count; ++i) {
             const uint32_t m = members[i].lobe;
             const double r2 = 1.0 - double(lobes.nz[m]) * lobes.nz[m];
-            if (r2 > 0.5 && power * std::log(r2) > -7.0)
+            if (r2 > 0.5 && narrow * std::log(r2) > -7.0)
                 return true;
         }
         return false;
     };
-    if (power <= kDiscRulePower || (power <= 80.0 && rim())) {
-        nodes = discRuleFor(power);
+    if (narrow <= kDiscRulePower || (narrow <= 80.0 && rim())) {
+        nodes = discRuleFor(narrow);
         return;
     }
     // Precision of the lobes in Lambert's map, weighted by energy: the narrow ones decide.
@@ -212,26 +212,41 @@ void Lattice::cover(glm::vec2 lower, glm::vec2 step, int n1, int n2)
     }
 }
 
-void Lattice::planShared(glm::vec2 lower, glm::vec2 upper, double power, NodeSet& nodes)
+void SharedLattice::plan(glm::vec2 lower, glm::vec2 upper, double power, size_t mostNodes)
 {
+    across_ = down_ = 0;
+    nodes_.clear();
     if (power <= kDiscRulePower) {
-        nodes = discRuleFor(power);
+        nodes_ = discRuleFor(power);
         return;
     }
     const double sigma = 1.0 / std::sqrt(power);
     const double edge = std::sqrt(2.0);
     const glm::dvec2 from = glm::max(glm::dvec2(lower) - kMargin * sigma, glm::dvec2(-edge));
     const glm::dvec2 size = glm::min(glm::dvec2(upper) + kMargin * sigma, glm::dvec2(edge)) - from;
-    const double spacing = std::max(kSpacing * sigma, std::sqrt(size.x * size.y / double(kMaxNodes)));
-    const int n1 = int(std::ceil(size.x / spacing)), n2 = int(std::ceil(size.y / spacing));
-    const glm::dvec2 step = size / glm::dvec2(n1, n2);
-    nodes.clear();
-    for (int j = 0; j < n2; ++j)
-        for (int i = 0; i < n1; ++i) {
+    const double spacing = std::max(kSpacing * sigma, std::sqrt(size.x * size.y / double(mostNodes)));
+    across_ = int(std::ceil(size.x / spacing));
+    down_ = int(std::ceil(size.y / spacing));
+    stride_ = (across_ + kMaxLanes - 1) / kMaxLanes * kMaxLanes;
+    const glm::dvec2 step = size / glm::dvec2(across_, down_);
+    for (int j = 0; j < down_; ++j)
+        for (int i = 0; i < stride_; ++i) {
             const glm::dvec2 l = from + step * glm::dvec2(i + 0.5, j + 0.5);
-            addNode(l.x, l.y, step.x * step.y, nodes);
+            const size_t before = nodes_.size();
+            if (i < across_)
+                addNode(l.x, l.y, step.x * step.y, nodes_);
+            if (nodes_.size() == before) // padding, or off the disc: keeps the rows equally long
+                nodes_.add(0.0f, 0.0f, 1.0f, 0.0f);
         }
-    nodes.pad();
+    from_ = glm::vec2(from);
+    step_ = glm::vec2(step);
+    nodes_.pad();
+}
+
+float supportRadius(float lowestPower)
+{
+    // Lambert's map stretches lobes by at most sqrt 2, at the rim.
+    return std::min(2.9f, float(kMargin) * 1.15f / std::sqrt(lowestPower));
 }
 
 } // namespace lumel::baker

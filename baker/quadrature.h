@@ -31,15 +31,50 @@ class Lattice {
 public:
     // Nodes for the members of one texel; `mean` are their mean moments.
     void plan(const Lobes& lobes, const std::vector<Member>& members, const Moments& mean, NodeSet& nodes);
-    // Nodes for any texel of a map: all normals lie in [lower, upper] (Lambert), no lobe is narrower
-    // than `power`.
-    static void planShared(glm::vec2 lower, glm::vec2 upper, double power, NodeSet& nodes);
 
 private:
     void cover(glm::vec2 lower, glm::vec2 step, int n1, int n2);
     std::vector<glm::vec3> discs_;       // of the members: whitened centre and radius
     std::vector<unsigned char> covered_; // lattice points within some disc
 };
+
+// A lattice for any texel of a map, or the rule for the whole disc where lobes are broad.
+class SharedLattice {
+public:
+    // All normals lie in [lower, upper] (Lambert); the lobes that matter have at most `power`. No more
+    // than `mostNodes` nodes: narrower lobes then are sampled too sparsely for their own sake, which
+    // only shows where few of them stand alone.
+    void plan(glm::vec2 lower, glm::vec2 upper, double power, size_t mostNodes);
+
+    const NodeSet& nodes() const { return nodes_; }
+    // Runs of consecutive nodes that cover the disc of a lobe: calls run(first, count).
+    template<class Run>
+    void around(glm::vec2 centre, float radius, const Run& run) const
+    {
+        if (across_ == 0)
+            return run(size_t(0), nodes_.size());
+        const int first = std::max(0, int(std::ceil((centre.y - radius - from_.y) / step_.y - 0.5f)));
+        const int last = std::min(down_ - 1, int(std::floor((centre.y + radius - from_.y) / step_.y - 0.5f)));
+        for (int j = first; j <= last; ++j) {
+            const float dy = from_.y + (float(j) + 0.5f) * step_.y - centre.y;
+            const float half = std::sqrt(std::max(0.0f, radius * radius - dy * dy));
+            const int begin = std::max(0, int(std::ceil((centre.x - half - from_.x) / step_.x - 0.5f)));
+            const int end =
+                std::min(across_ - 1, int(std::floor((centre.x + half - from_.x) / step_.x - 0.5f)));
+            if (begin <= end)
+                run(size_t(j) * size_t(stride_) + size_t(begin), size_t(end - begin + 1));
+        }
+    }
+
+private:
+    NodeSet nodes_;
+    glm::vec2 from_{0.0f}, step_{1.0f};
+    int across_ = 0, down_ = 0; // 0: not a lattice
+    int stride_ = 0;            // nodes from row to row: whole vectors
+};
+
+// Radius of a lobe's support in Lambert's map, given the smaller eigenvalue of its precision.
+float supportRadius(float lowestPower);
 
 inline glm::vec2 lambert(float nx, float ny, float nz)
 {
