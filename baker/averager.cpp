@@ -3,6 +3,12 @@
 
 namespace lumel::baker {
 
+float lowestPower(const Lobes& lobes, size_t m)
+{
+    const float mean = 0.5f * (lobes.sxx[m] + lobes.syy[m]), half = 0.5f * (lobes.sxx[m] - lobes.syy[m]);
+    return 1.0f / (mean + std::sqrt(half * half + lobes.sxy[m] * lobes.sxy[m]));
+}
+
 Averager::Averager(bool isotropicBase, bool colouredSpecular)
     : kernels_(kernels()), isotropic_(isotropicBase), channels_(colouredSpecular ? 3 : 1)
 {
@@ -48,14 +54,12 @@ void Averager::scatter(const Lobes& lobes, const std::vector<Member>& members, b
     const size_t lanes = size_t(kernels_.lanes);
     for (const Member& member : members) {
         const size_t m = member.lobe;
-        // Largest eigenvalue of S, the lobe's long side.
-        const float mean = 0.5f * (lobes.sxx[m] + lobes.syy[m]), half = 0.5f * (lobes.sxx[m] - lobes.syy[m]);
-        const float longest = mean + std::sqrt(half * half + lobes.sxy[m] * lobes.sxy[m]);
+        const float radius = supportRadius(lowestPower(lobes, m));
         const glm::vec2 centre = lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]);
         for (int c = 0; c < channels_; ++c) {
             const LobeTerm one = term(lobes, member, black, c);
             float* g = sums + size_t(c) * nodes.size();
-            lattice.around(centre, supportRadius(1.0f / longest), [&](size_t first, size_t count) {
+            lattice.around(centre, radius, [&](size_t first, size_t count) {
                 // Whole vectors: what they add beside the run is the lobe's own far tail.
                 const size_t end = (first + count + lanes - 1) / lanes * lanes;
                 first = first / lanes * lanes;

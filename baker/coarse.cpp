@@ -84,8 +84,9 @@ void CoarseCells::gatherMoments()
             for (const Member& m : members) {
                 cell.sum.add(lobes, m.lobe, m.share);
                 const glm::vec2 l = lambert(lobes.nx[m.lobe], lobes.ny[m.lobe], lobes.nz[m.lobe]);
-                cell.lower = glm::min(cell.lower, l);
-                cell.upper = glm::max(cell.upper, l);
+                const float radius = supportRadius(lowestPower(lobes, m.lobe));
+                cell.lower = glm::min(cell.lower, l - radius);
+                cell.upper = glm::max(cell.upper, l + radius);
             }
             cell.uniform = sameLobe(lobes, members, cell.shape);
         }

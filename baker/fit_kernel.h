@@ -26,6 +26,7 @@ struct LobeTerm {
 // so that every unknown is free and P never drops below kMinPower = 1. b* is the lobe's own extent on
 // the disc (lower Cholesky factor of its covariance there): the unit in which N moves. In these units
 // the Hessian of the error near a good fit is close to the identity.
+inline constexpr float kLowestLog = -3.5f; // of l1 and l2
 enum Unknown { kX, kY, kL1, kL2, kL3, kB11, kB21, kB22, kUnknowns };
 
 // G as a few Gaussian lobes (fit_mixture.inl); amplitude = share * Ks * N.z.
@@ -42,6 +43,7 @@ struct FitJob {
     float maxLog = 10.0f;      // upper bound of l1 and l2
     float unknowns[kUnknowns]; // start, then the best point found
     float error = 1.0f;        // E / <G, G> there, with the best Ks
+    float norm = 1.0f;         // <f, f> there (minimise only)
 };
 
 struct SearchSettings {

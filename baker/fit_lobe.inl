@@ -41,12 +41,12 @@ LUMEL_INLINE Point locate(const Frame& f, V hx, V hy, V hz)
 struct Lobe {
     Frame frame;
     V e1, e2, l3, pxx, pxy, pyy, det, detPlus; // detPlus = det(P + I)
-    I outside, freeL1, freeL2;                 // masks: N beyond the disc; l1, l2 not at a bound
+    I outside, freeL1, freeL2, freeL3;         // masks: N beyond the disc; l1, l2 not at a bound
 };
 
 LUMEL_INLINE Lobe makeLobe(V maxLog, V nx, V ny, V l1, V l2, V l3)
 {
-    constexpr float kRim = 0.98f, kLowestLog = -3.5f, kLargestShear = 64.0f;
+    constexpr float kRim = 0.98f;
     Lobe lobe;
     const V r2 = nx * nx + ny * ny;
     lobe.outside = r2 > kRim;
@@ -56,7 +56,10 @@ LUMEL_INLINE Lobe makeLobe(V maxLog, V nx, V ny, V l1, V l2, V l3)
     lobe.freeL2 = (l2 > kLowestLog) & (l2 < maxLog);
     lobe.e1 = exponential(minimum(maximum(l1, splat(kLowestLog)), maxLog));
     lobe.e2 = exponential(minimum(maximum(l2, splat(kLowestLog)), maxLog));
-    lobe.l3 = minimum(maximum(l3, splat(-kLargestShear)), splat(kLargestShear));
+    // |shear| <= e^maxLog too: otherwise a long lobe at an angle could get narrower than any it stands for.
+    const V largest = exponential(maxLog) / lobe.e2;
+    lobe.freeL3 = magnitude(l3) < largest;
+    lobe.l3 = minimum(maximum(l3, -largest), largest);
     const V shear = lobe.l3 * lobe.e2;
     lobe.pxx = 1.0f + lobe.e1 * lobe.e1;
     lobe.pxy = lobe.e1 * shear;
@@ -92,7 +95,7 @@ LUMEL_INLINE void gradientOf(const Lobe& lobe, const LogSlopes& d, V explained, 
     gradient[1] = -explained * beta * f.r * inverseNz;
     gradient[2] = lobe.freeL1 ? -explained * g1 : V{};
     gradient[3] = lobe.freeL2 ? -explained * g2 : V{};
-    gradient[4] = -explained * g3;
+    gradient[4] = lobe.freeL3 ? -explained * g3 : V{};
 }
 
 // The unknowns of the searches in units of their starts' own extents: N = origin + B (x0, x1), l1, l2,

@@ -38,6 +38,7 @@ struct MixtureObjective {
     static constexpr int kRow = 7;
     const float* rows; // [count][kRow][lanes]
     int count = 0;
+    V norm{};
 
     static int size(const FitJob& job) { return job.mixtureCount; }
     static void fill(const FitJob& job, int i, float* to)
@@ -47,7 +48,7 @@ struct MixtureObjective {
         for (int j = 0; j < kRow; ++j)
             to[j * W] = values[j];
     }
-    LUMEL_INLINE V operator()(const Scaling& scaling, const V* x, V* gradient) const
+    LUMEL_INLINE V operator()(const Scaling& scaling, const V* x, V* gradient)
     {
         const Lobe lobe = scaling.lobe(x);
         const V inverseDet = 1.0f / lobe.det;

@@ -33,7 +33,7 @@ struct Search {
     Objective objective;
     Scaling scaling{};
     const int n; // unknowns
-    V x[5]{}, f{}, g[5]{};
+    V x[5]{}, f{}, g[5]{}, norm{};
     V direction[5]{}, step{}, slope{};
     Hessian hessian{};
     I active{}; // lanes at work
@@ -77,6 +77,7 @@ struct Search {
         job.unknowns[kL2] = scaling.isotropic ? x[2][lane] : x[3][lane];
         job.unknowns[kL3] = scaling.isotropic ? 0.0f : x[4][lane];
         job.error = f[lane];
+        job.norm = norm[lane];
     }
 
     // Near a good fit the error is a paraboloid of curvature 1 in the scaled unknowns, 2 where one
@@ -140,6 +141,7 @@ struct Search {
         const I small = accepted & (f - trialF < 1e-2f * tolerance) & (step >= 0.99f);
         const I offDisc = first & (trialF > 2.0f);
         f = accepted ? trialF : f;
+        norm = accepted ? objective.norm : norm;
         step = accepted ? step : minimum(maximum(parabola, 0.1f * step), 0.5f * step);
         active &= ~(small | (largest < tolerance) | (step < 1e-3f) | offDisc);
         fresh = accepted;
@@ -226,7 +228,7 @@ void evaluate(const FitJob& job, float* overlap, float* norm, float* gradient, f
     if (!gradient)
         return;
     V g[5];
-    gradientOf(lobe, slopesOf(lobe, sum), o.gf * o.gf / (job.energy * o.ff), g);
+    gradientOf(lobe, slopesOf(lobe, sum, o), o.gf * o.gf / (job.energy * o.ff), g);
     for (int i = 0; i < 5; ++i)
         gradient[i] = g[i][0];
 }

@@ -62,7 +62,7 @@ const NodeSet& discRuleFor(double power)
     static const NodeSet small = discRule(7, 14);
     static const NodeSet medium = discRule(12, 26);
     static const NodeSet large = discRule(24, 56);
-    return power <= 4.0 ? small : power <= kDiscRulePower ? medium : large;
+    return power <= 1.5 ? small : power <= kDiscRulePower ? medium : large;
 }
 
 void addNode(double lx, double ly, double area, NodeSet& nodes)
@@ -222,8 +222,8 @@ void SharedLattice::plan(glm::vec2 lower, glm::vec2 upper, double power, size_t 
     }
     const double sigma = 1.0 / std::sqrt(power);
     const double edge = std::sqrt(2.0);
-    const glm::dvec2 from = glm::max(glm::dvec2(lower) - kMargin * sigma, glm::dvec2(-edge));
-    const glm::dvec2 size = glm::min(glm::dvec2(upper) + kMargin * sigma, glm::dvec2(edge)) - from;
+    const glm::dvec2 from = glm::max(glm::dvec2(lower), glm::dvec2(-edge));
+    const glm::dvec2 size = glm::min(glm::dvec2(upper), glm::dvec2(edge)) - from;
     const double spacing = std::max(kSpacing * sigma, std::sqrt(size.x * size.y / double(mostNodes)));
     across_ = int(std::ceil(size.x / spacing));
     down_ = int(std::ceil(size.y / spacing));

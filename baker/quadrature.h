@@ -41,7 +41,7 @@ private:
 // A lattice for any texel of a map, or the rule for the whole disc where lobes are broad.
 class SharedLattice {
 public:
-    // All normals lie in [lower, upper] (Lambert); the lobes that matter have at most `power`. No more
+    // All lobes lie in [lower, upper] (Lambert); those that matter have at most `power`. No more
     // than `mostNodes` nodes: narrower lobes then are sampled too sparsely for their own sake, which
     // only shows where few of them stand alone.
     void plan(glm::vec2 lower, glm::vec2 upper, double power, size_t mostNodes);

@@ -67,7 +67,7 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
         job.maxLog = against == Against::nodesOnce ? 10.0f : t.maxLog;
         // A lobe at the lowest power starts a little above it: there the gradient is alive.
         toUnknowns(family == kIsotropic ? isotropicShape(starts[i].shape) : starts[i].shape, job.maxLog,
-                   against == Against::nodesOnce ? 1e-6 : 0.02, job.unknowns);
+                   against == Against::nodesOnce ? 1e-6 : 0.3, job.unknowns);
         order_[i] = &job;
         most = std::max(most, t.nodeCount);
     }
@@ -88,8 +88,9 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
     }
     found.resize(count);
     for (size_t i = 0; i < count; ++i)
-        found[i] = {against == Against::nodesOnce ? starts[i].shape : fromUnknowns(jobs_[i].unknowns),
-                    jobs_[i].error};
+        found[i] = {against == Against::nodesOnce ? starts[i].shape
+                                                  : fromUnknowns(jobs_[i].unknowns, jobs_[i].maxLog),
+                    jobs_[i].error, jobs_[i].norm};
 }
 
 void Solver::solve()
@@ -148,7 +149,7 @@ void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, boo
         t[kKsR] = t[kKsG] = t[kKsB] = t[kError] = 0.0f;
         return;
     }
-    const double norm = normOf(found.shape), energy = texel.energy;
+    const double norm = found.norm, energy = texel.energy;
     const double overlap = std::sqrt(std::max(0.0, 1.0 - double(found.error)) * energy * norm);
     const double ks = ownKs ? meanKs : overlap / norm;
     t[kError] =

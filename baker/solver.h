@@ -40,6 +40,7 @@ private:
     struct Found {
         Shape shape;
         float error = kNoError;
+        float norm = 1.0f; // <f, f>
     };
     static constexpr float kNoError = 1e30f; // worse than any search
     enum Family { kIsotropic, kAnisotropic };
@@ -87,10 +88,7 @@ private:
 
 // The minimiser's unknowns for a lobe; P - I is raised to at least `floor`.
 void toUnknowns(const Shape& shape, float maxLog, double floor, float* unknowns);
-Shape fromUnknowns(const float* unknowns);
-
-// <f, f> over the disc (fit_exact.inl).
-double normOf(const Shape& shape);
+Shape fromUnknowns(const float* unknowns, float maxLog);
 
 // Ks of one number: Rec. 709 luminance, the weight of the shape fit.
 inline double luminance(glm::dvec3 c)

@@ -24,21 +24,16 @@ void toUnknowns(const Shape& shape, float maxLog, double floor, float* unknowns)
     unknowns[kB22] = float(std::sqrt(std::max(disc.yy - b21 * b21, 1e-10)));
 }
 
-Shape fromUnknowns(const float* unknowns)
+Shape fromUnknowns(const float* unknowns, float maxLog)
 {
-    const double e1 = std::exp(double(unknowns[kL1])), e2 = std::exp(double(unknowns[kL2]));
-    const double shear = double(unknowns[kL3]) * e2;
+    // The bounds that the search evaluated with (makeLobe in fit_lobe.inl).
+    const double highest = maxLog, lowest = kLowestLog;
+    const double e1 = std::exp(std::min(std::max(double(unknowns[kL1]), lowest), highest));
+    const double e2 = std::exp(std::min(std::max(double(unknowns[kL2]), lowest), highest));
+    const double shear = std::clamp(double(unknowns[kL3]) * e2, -std::exp(highest), std::exp(highest));
     const Sym2 p{1.0 + e1 * e1, e1 * shear, 1.0 + e2 * e2 + shear * shear};
     const Sym2 s = clampPowers(p.inverse());
     return {unknowns[kX], unknowns[kY], float(s.xx), float(s.xy), float(s.yy)};
-}
-
-double normOf(const Shape& shape)
-{
-    const Sym2 p = Sym2{shape.sxx, shape.sxy, shape.syy}.inverse();
-    const double nz2 = 1.0 - double(shape.nx) * shape.nx - double(shape.ny) * shape.ny;
-    const double plus = (p.xx + 1.0) * (p.yy + 1.0) - p.xy * p.xy;
-    return 3.14159265358979 * std::sqrt(std::max(nz2, 1e-4)) * p.det() / std::sqrt(plus);
 }
 
 } // namespace lumel::baker
