@@ -3,12 +3,6 @@
 
 namespace lumel::baker {
 
-float lowestPower(const Lobes& lobes, size_t m)
-{
-    const float mean = 0.5f * (lobes.sxx[m] + lobes.syy[m]), half = 0.5f * (lobes.sxx[m] - lobes.syy[m]);
-    return 1.0f / (mean + std::sqrt(half * half + lobes.sxy[m] * lobes.sxy[m]));
-}
-
 Averager::Averager(bool isotropicBase, bool colouredSpecular)
     : kernels_(kernels()), isotropic_(isotropicBase), channels_(colouredSpecular ? 3 : 1)
 {

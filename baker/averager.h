@@ -5,9 +5,6 @@
 
 namespace lumel::baker {
 
-// The smaller eigenvalue of a lobe's precision: 1 / variance along its long side.
-float lowestPower(const Lobes& lobes, size_t m);
-
 class Averager {
 public:
     Averager(bool isotropicBase, bool colouredSpecular);

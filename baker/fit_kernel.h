@@ -22,11 +22,12 @@ struct LobeTerm {
     float nx, ny, nz, pxx, pxy, pyy, amplitude;
 };
 
-// A lobe as the minimiser's unknowns: N = (x, y) and P = I + U^T U with U = [e^l1, l3 e^l2; 0, e^l2],
-// so that every unknown is free and P never drops below kMinPower = 1. b* is the lobe's own extent on
-// the disc (lower Cholesky factor of its covariance there): the unit in which N moves. In these units
-// the Hessian of the error near a good fit is close to the identity.
-inline constexpr float kLowestLog = -3.5f; // of l1 and l2
+// A lobe as the minimiser's unknowns: N = (x, y) and P = kBase I + U^T U with U = [e^l1, l3 e^l2; 0,
+// e^l2]. Every unknown is free but for simple bounds, and P stays well above 0. b* is the lobe's own
+// extent on the disc (lower Cholesky factor of its covariance there): the unit in which N moves. In
+// these units the Hessian of the error near a good fit is close to the identity.
+inline constexpr float kBase = 0.5f;
+inline constexpr float kLowestLog = -0.34657359f; // of l1 and l2: ln(kMinPower - kBase) / 2
 enum Unknown { kX, kY, kL1, kL2, kL3, kB11, kB21, kB22, kUnknowns };
 
 // G as a few Gaussian lobes (fit_mixture.inl); amplitude = share * Ks * N.z.

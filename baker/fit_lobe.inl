@@ -41,7 +41,8 @@ LUMEL_INLINE Point locate(const Frame& f, V hx, V hy, V hz)
 struct Lobe {
     Frame frame;
     V e1, e2, l3, pxx, pxy, pyy, det, detPlus; // detPlus = det(P + I)
-    I outside, freeL1, freeL2, freeL3;         // masks: N beyond the disc; l1, l2 not at a bound
+    I outside;                                 // N beyond the disc
+    I atTop[3], atBottom[3];                   // l1, l2, l3 at a bound
 };
 
 LUMEL_INLINE Lobe makeLobe(V maxLog, V nx, V ny, V l1, V l2, V l3)
@@ -52,23 +53,26 @@ LUMEL_INLINE Lobe makeLobe(V maxLog, V nx, V ny, V l1, V l2, V l3)
     lobe.outside = r2 > kRim;
     const V scale = lobe.outside ? squareRoot(kRim / r2) : splat(1.0f);
     lobe.frame = makeFrame(nx * scale, ny * scale);
-    lobe.freeL1 = (l1 > kLowestLog) & (l1 < maxLog);
-    lobe.freeL2 = (l2 > kLowestLog) & (l2 < maxLog);
     lobe.e1 = exponential(minimum(maximum(l1, splat(kLowestLog)), maxLog));
     lobe.e2 = exponential(minimum(maximum(l2, splat(kLowestLog)), maxLog));
+    for (int i = 0; i < 3; ++i) {
+        const V l = i == 0 ? l1 : i == 1 ? l2 : l3;
+        const V top = i == 2 ? exponential(maxLog) / lobe.e2 : maxLog;
+        lobe.atTop[i] = l >= top;
+        lobe.atBottom[i] = l <= (i == 2 ? -top : splat(kLowestLog));
+    }
     // |shear| <= e^maxLog too: otherwise a long lobe at an angle could get narrower than any it stands for.
     const V largest = exponential(maxLog) / lobe.e2;
-    lobe.freeL3 = magnitude(l3) < largest;
     lobe.l3 = minimum(maximum(l3, -largest), largest);
     const V shear = lobe.l3 * lobe.e2;
-    lobe.pxx = 1.0f + lobe.e1 * lobe.e1;
+    lobe.pxx = kBase + lobe.e1 * lobe.e1;
     lobe.pxy = lobe.e1 * shear;
-    lobe.pyy = 1.0f + lobe.e2 * lobe.e2 + shear * shear;
-    // det(I + U^T U) = 1 + |U|^2 + det(U)^2, free of cancellation; the same with 2 I.
+    lobe.pyy = kBase + lobe.e2 * lobe.e2 + shear * shear;
+    // det(c I + U^T U) = c^2 + c |U|^2 + det(U)^2, free of cancellation.
     const V trace = lobe.e1 * lobe.e1 + lobe.e2 * lobe.e2 + shear * shear;
     const V detU = lobe.e1 * lobe.e2;
-    lobe.det = 1.0f + trace + detU * detU;
-    lobe.detPlus = 4.0f + 2.0f * trace + detU * detU;
+    lobe.det = kBase * kBase + kBase * trace + detU * detU;
+    lobe.detPlus = (kBase + 1.0f) * (kBase + 1.0f) + (kBase + 1.0f) * trace + detU * detU;
     return lobe;
 }
 
@@ -87,15 +91,18 @@ LUMEL_INLINE void gradientOf(const Lobe& lobe, const LogSlopes& d, V explained, 
     const V inverseNz = 1.0f / f.nz;
     const V beta = d.beta - d.gamma * f.nx * f.inverseR;
     const V shear = lobe.l3 * lobe.e2;
-    // P = I + U^T U with U = [e1, shear; 0, e2].
+    // P = kBase I + U^T U with U = [e1, shear; 0, e2].
     const V g1 = 2.0f * lobe.e1 * (d.pxx * lobe.e1 + d.pxy * shear);
     const V g2 = 2.0f * (d.pxy * lobe.e1 * shear + d.pyy * (lobe.e2 * lobe.e2 + shear * shear));
     const V g3 = 2.0f * lobe.e2 * (d.pxy * lobe.e1 + d.pyy * shear);
     gradient[0] = -explained * (d.alpha * f.inverseR + beta * f.nx * f.ny * f.inverseR * inverseNz);
     gradient[1] = -explained * beta * f.r * inverseNz;
-    gradient[2] = lobe.freeL1 ? -explained * g1 : V{};
-    gradient[3] = lobe.freeL2 ? -explained * g2 : V{};
-    gradient[4] = lobe.freeL3 ? -explained * g3 : V{};
+    const V g[3] = {g1, g2, g3};
+    for (int i = 0; i < 3; ++i) {
+        // At a bound, only the way back in counts.
+        const I outward = (lobe.atTop[i] & (g[i] > 0.0f)) | (lobe.atBottom[i] & (g[i] < 0.0f));
+        gradient[2 + i] = outward ? V{} : -explained * g[i];
+    }
 }
 
 // The unknowns of the searches in units of their starts' own extents: N = origin + B (x0, x1), l1, l2,

@@ -124,6 +124,8 @@ struct Search {
         V trial[5], trialG[5], s[5], y[5], largest{};
         for (int i = 0; i < 5; ++i)
             trial[i] = i < n ? x[i] + step * direction[i] : V{};
+        for (int i = 2; i < 4; ++i) // beyond the bounds of l1 and l2 lies nothing
+            trial[i] = minimum(maximum(trial[i], splat(kLowestLog)), scaling.maxLog);
         const V trialF = objective(scaling, trial, trialG);
         const I accepted = active & ((trialF <= f + kArmijo * step * slope) | first);
         for (int i = 0; i < n; ++i) {

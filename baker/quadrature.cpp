@@ -140,9 +140,13 @@ void Lattice::plan(const Lobes& lobes, const std::vector<Member>& members, const
     double total = 0.0, share = 0.0;
     for (size_t i = 0; i < count; ++i) {
         const uint32_t m = members[i].lobe;
-        const Sym2 s{lobes.sxx[m], lobes.sxy[m], lobes.syy[m]};
+        Sym2 s{lobes.sxx[m], lobes.sxy[m], lobes.syy[m]};
+        const double energy = 1.0 / std::sqrt(s.det());
+        // Long lobes: a fit may be shorter than they are, so the lattice is as fine along them as across.
+        if (narrow > 1.02 * power)
+            s = {1.0 / narrow, 0.0, 1.0 / narrow};
         const Sym2 p = lambertCovariance({lobes.nx[m], lobes.ny[m], lobes.nz[m]}, s).inverse();
-        const double w = members[i].share / std::sqrt(s.det());
+        const double w = members[i].share * energy;
         precision = precision + p * w;
         total += w;
         const glm::dvec2 l = lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]);
@@ -167,8 +171,8 @@ void Lattice::plan(const Lobes& lobes, const std::vector<Member>& members, const
     for (size_t i = 0; i < count; ++i) {
         const uint32_t m = members[i].lobe;
         const glm::dvec2 y = whiten(glm::dvec2(lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m])) - centre);
-        const double detS = double(lobes.sxx[m]) * lobes.syy[m] - double(lobes.sxy[m]) * lobes.sxy[m];
-        const double radius = kMargin * std::clamp(std::sqrt(power * std::sqrt(detS)), 1.0, 4.0);
+        const double wide = 1.0 / lowestPower(lobes, m); // variance along its long side
+        const double radius = kMargin * std::clamp(std::sqrt(narrow * wide), 1.0, 8.0);
         const glm::dvec2 t(glm::dot(y, axis), glm::dot(y, side));
         lower = glm::min(lower, t - radius);
         upper = glm::max(upper, t + radius);

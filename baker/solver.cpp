@@ -30,8 +30,8 @@ void Solver::add(const TexelTask& task, const NodeSet& nodes, const float* const
     texel.energy = std::max(float(energy), 1e-30f);
     // No fit needs to be narrower than the narrowest lobe it stands for; a little room for the
     // minimiser to cross on its way.
-    const double narrowest = 1.1 * std::max(1.0, task.mean.maxPower) - 1.0;
-    texel.maxLog = float(0.5 * std::log(std::max(narrowest, 0.02)));
+    const double narrowest = 1.1 * std::max(1.0, task.mean.maxPower);
+    texel.maxLog = float(0.5 * std::log(narrowest - double(kBase)));
     addMixture(texel);
     texels_.push_back(texel);
 }
@@ -65,9 +65,8 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
         job.mixtureCount = t.task.childCount;
         job.energy = t.energy;
         job.maxLog = against == Against::nodesOnce ? 10.0f : t.maxLog;
-        // A lobe at the lowest power starts a little above it: there the gradient is alive.
         toUnknowns(family == kIsotropic ? isotropicShape(starts[i].shape) : starts[i].shape, job.maxLog,
-                   against == Against::nodesOnce ? 1e-6 : 0.3, job.unknowns);
+                   job.unknowns);
         order_[i] = &job;
         most = std::max(most, t.nodeCount);
     }
@@ -87,10 +86,24 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
         kernels_.minimise(order_.data(), int(count), settings, scratch_.data());
     }
     found.resize(count);
-    for (size_t i = 0; i < count; ++i)
-        found[i] = {against == Against::nodesOnce ? starts[i].shape
-                                                  : fromUnknowns(jobs_[i].unknowns, jobs_[i].maxLog),
-                    jobs_[i].error, jobs_[i].norm};
+    std::vector<Start> clampedStarts;
+    std::vector<size_t> clampedIndices;
+    for (size_t i = 0; i < count; ++i) {
+        found[i] = {starts[i].shape, jobs_[i].error, jobs_[i].norm};
+        bool clamped = false;
+        if (against != Against::nodesOnce)
+            found[i].shape = fromUnknowns(jobs_[i].unknowns, jobs_[i].maxLog, clamped);
+        if (clamped && against == Against::nodes) {
+            clampedStarts.push_back({starts[i].texel, found[i].shape});
+            clampedIndices.push_back(i);
+        }
+    }
+    if (clampedStarts.empty())
+        return;
+    std::vector<Found> evaluated;
+    run(clampedStarts, family, Against::nodesOnce, evaluated);
+    for (size_t i = 0; i < evaluated.size(); ++i)
+        found[clampedIndices[i]] = evaluated[i];
 }
 
 void Solver::solve()
@@ -162,7 +175,7 @@ void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, boo
         FitJob job;
         const size_t n = texel.firstNode;
         job.nodes = {int(texel.nodeCount), &x_[n], &y_[n], &z_[n], &channelWeight_[c][n]};
-        toUnknowns(found.shape, job.maxLog, 1e-6, job.unknowns);
+        toUnknowns(found.shape, job.maxLog, job.unknowns);
         if (scratch_.size() < 4 * texel.nodeCount * kMaxLanes)
             scratch_.resize(4 * texel.nodeCount * kMaxLanes);
         float channelOverlap = 0.0f, channelNorm = 1.0f;

@@ -86,9 +86,10 @@ private:
     std::vector<float> scratch_;
 };
 
-// The minimiser's unknowns for a lobe; P - I is raised to at least `floor`.
-void toUnknowns(const Shape& shape, float maxLog, double floor, float* unknowns);
-Shape fromUnknowns(const float* unknowns, float maxLog);
+// The minimiser's unknowns for a lobe, and back. `clamped`: their powers left the limits of a lobe and
+// were brought back, so that the error found is not the lobe's.
+void toUnknowns(const Shape& shape, float maxLog, float* unknowns);
+Shape fromUnknowns(const float* unknowns, float maxLog, bool& clamped);
 
 // Ks of one number: Rec. 709 luminance, the weight of the shape fit.
 inline double luminance(glm::dvec3 c)

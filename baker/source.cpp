@@ -93,6 +93,12 @@ void Lobes::append(const Lobes& other, size_t at)
     }
 }
 
+float lowestPower(const Lobes& lobes, size_t m)
+{
+    const float mean = 0.5f * (lobes.sxx[m] + lobes.syy[m]), half = 0.5f * (lobes.sxx[m] - lobes.syy[m]);
+    return 1.0f / (mean + std::sqrt(half * half + lobes.sxy[m] * lobes.sxy[m]));
+}
+
 Source::Source(const Maps& maps) : maps_(maps)
 {
     if (maps.height.empty() && maps.normal.empty())

@@ -16,6 +16,9 @@ struct Lobes {
     void append(const Lobes& other, size_t at);
 };
 
+// The smaller eigenvalue of a lobe's precision: 1 / variance along its long side.
+float lowestPower(const Lobes& lobes, size_t index);
+
 class Source {
 public:
     // Keeps a reference to `maps`. Throws Error for unusable maps, naming map and remedy.

@@ -127,7 +127,7 @@ TEST(Kernel, SearchesEndWhereTheGradientVanishes)
         for (int j = 0; j < 2; ++j)
             EXPECT_LT(std::abs(gradient[j]) * 0.1f, 5e-3f) << "seed " << seed;
         for (int j = 2; j < 4; ++j)
-            if (p.job.unknowns[j] < p.job.maxLog && p.job.unknowns[j] > -3.4f) {
+            if (p.job.unknowns[j] < p.job.maxLog && p.job.unknowns[j] > kLowestLog) {
                 EXPECT_LT(std::abs(gradient[j]), 5e-3f) << "seed " << seed;
             }
     }
@@ -218,7 +218,7 @@ TEST(Kernel, ClosedFormOfTheNormMatchesTheIntegral)
         float overlap = 0.0f, norm = 0.0f;
         kernels().evaluate(p.job, &overlap, &norm, nullptr, scratch().data());
         const double e1 = std::exp(l1), e2 = std::exp(l2), shear = l3 * e2;
-        const double xx = 1 + e1 * e1, xy = e1 * shear, yy = 1 + e2 * e2 + shear * shear,
+        const double xx = kBase + e1 * e1, xy = e1 * shear, yy = kBase + e2 * e2 + shear * shear,
                      det = xx * yy - xy * xy;
         const test::OracleLobe lobe{nx, ny, yy / det, -xy / det, xx / det, 1.0, 1.0};
         const test::OracleSums sums = test::oracleSums({lobe}, lobe, 800);
