@@ -1,7 +1,9 @@
 #include "chain.h"
 #include "coarse.h"
+#include "core/error.h"
 #include "fine.h"
 #include "footprint.h"
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -19,25 +21,33 @@ Chain::Chain(const Maps& maps, const Options& options, Progress* progress)
         heights_ = std::make_unique<HeightMips>(maps, source_.width(), source_.height());
 }
 
+// Levels below options_.reduce stay without texels: nothing is fitted there.
+void Chain::allocate(std::vector<Level>& levels, int first) const
+{
+    const int count = levelCount(source_.width(), source_.height());
+    for (int number = 0; number < count; ++number) {
+        const int width = levelSize(source_.width(), number), height = levelSize(source_.height(), number);
+        levels.push_back({width, height, {}});
+        if (number >= first)
+            levels.back().texels.resize(size_t(width) * size_t(height) * kChannels);
+    }
+}
+
 std::vector<Level> Chain::run()
 {
-    levels_.push_back(baseLevel());
-    const int count = levelCount(source_.width(), source_.height());
-    for (int number = 1; number < count; ++number)
-        levels_.push_back({levelSize(source_.width(), number), levelSize(source_.height(), number), {}});
-    for (int number = 1; number < count; ++number)
-        levels_[size_t(number)].texels.resize(size_t(levels_[size_t(number)].width) *
-                                              size_t(levels_[size_t(number)].height) * kChannels);
+    const int count = levelCount(source_.width(), source_.height()), reduce = options_.reduce;
+    if (reduce < 0 || reduce >= count)
+        throw Error(fmt::format("reduce {}: a {} x {} map has {} levels; drop fewer", reduce, source_.width(),
+                                source_.height(), count));
+    allocate(levels_, std::max(1, reduce));
+    if (reduce == 0)
+        levels_[0] = baseLevel();
     if (options_.method == Method::fit && options_.model == Model::blinnPhong)
-        for (const Level& level : levels_) {
-            shadows_.push_back({level.width, level.height, {}});
-            if (shadows_.size() > 1) // level 0 is the input in both
-                shadows_.back().texels.resize(level.texels.size());
-        }
-    int number = 1;
+        allocate(shadows_, std::max(1, reduce));
+    int number = std::max(1, reduce);
     std::unique_ptr<CoarseCells> cells;
     if (count > kFirstCoarseLevel)
-        cells = std::make_unique<CoarseCells>(*this, kFirstCoarseLevel);
+        cells = std::make_unique<CoarseCells>(*this, std::max(kFirstCoarseLevel, reduce));
     for (; number < (cells ? cells->firstLevel() : count); ++number)
         fineLevel(number);
     if (cells)
@@ -47,6 +57,7 @@ std::vector<Level> Chain::run()
             heights_->setLevel(levels_[size_t(number)].width, levels_[size_t(number)].height);
         cells->solveLevel(number);
     }
+    levels_.erase(levels_.begin(), levels_.begin() + reduce);
     return std::move(levels_);
 }
 
@@ -101,6 +112,8 @@ TexelTask Chain::makeTask(int number, int x, int y, const Moments& mean)
         task.shadow = shadows_[size_t(number)].texels.data() +
                       (size_t(y) * size_t(level.width) + size_t(x)) * kChannels;
     const Level& finer = (shadowed && number > 1 ? shadows_ : levels_)[size_t(number - 1)];
+    if (finer.texels.empty())
+        return task;
     const Footprint fx(x, level.width, finer.width), fy(y, level.height, finer.height);
     const double area = (fx.end - fx.begin) * (fy.end - fy.begin);
     for (int j = fy.first; j < fy.last; ++j)

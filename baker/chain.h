@@ -14,6 +14,7 @@ public:
 
 private:
     Level baseLevel() const;
+    void allocate(std::vector<Level>& levels, int first) const;
     // Levels whose texels cover few lobes: nodes of their own for each texel.
     void fineLevel(int number);
     void advance(size_t units) const;

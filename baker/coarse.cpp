@@ -184,6 +184,8 @@ void CoarseCells::addTexel(int number, int x, int y, Solver& solver) const
                 total[k] += g_[c * stride + k];
         }
     TexelTask task = chain_.makeTask(number, x, y, cell.sum.mean());
+    if (task.childCount == 0)
+        task.addChild(task.mean, 1.0);
     task.uniform = cell.uniform && chain_.options_.method == Method::fit;
     if (task.uniform)
         task.shape = cell.shape;

@@ -55,9 +55,26 @@ void FineTile::addTexel(int number, int x, int y)
     task.uniform = chain_.options_.method == Method::fit && sameLobe(lobes_, members_, same);
     if (task.uniform)
         task.shape = same;
+    if (task.childCount == 0)
+        addQuadrants(fx, fy, task);
     lattice_.plan(lobes_, members_, task.mean, nodes_);
     averager_.average(lobes_, members_, luminance(task.mean.ks) <= 0.0, nodes_);
     solver_.add(task, nodes_, averager_.g());
+}
+
+// No finer level was fitted: the LEAN lobes of the texel's quarters stand in for its children.
+void FineTile::addQuadrants(const Footprint& fx, const Footprint& fy, TexelTask& task) const
+{
+    Moments quarters[4];
+    const double middleX = 0.5 * (fx.begin + fx.end), middleY = 0.5 * (fy.begin + fy.end);
+    size_t k = 0;
+    for (int j = fy.first; j < fy.last; ++j)
+        for (int i = fx.first; i < fx.last; ++i, ++k)
+            quarters[(j + 0.5 < middleY ? 0 : 2) + (i + 0.5 < middleX ? 0 : 1)].add(lobes_, members_[k].lobe,
+                                                                                    members_[k].share);
+    for (const Moments& quarter : quarters)
+        if (quarter.weight > 0.0)
+            task.addChild(quarter.mean(), quarter.weight);
 }
 
 void FineTile::run(int number, int x0, int y0, int size)

@@ -2,6 +2,7 @@
 #pragma once
 #include "averager.h"
 #include "chain.h"
+#include "footprint.h"
 #include "solver.h"
 
 namespace lumel::baker {
@@ -15,6 +16,7 @@ public:
 private:
     void readLobes(int number, int x0, int y0, int x1, int y1);
     void addTexel(int number, int x, int y);
+    void addQuadrants(const Footprint& fx, const Footprint& fy, TexelTask& task) const;
 
     Chain& chain_;
     Solver solver_;

@@ -17,7 +17,7 @@ std::string sourceHash(const Maps& maps, const Options& options)
     hash.addValue(maps.powerConstant).addValue(maps.anisotropicPower);
     hash.addValue(maps.specularConstant).addValue(maps.diffuseConstant);
     // The number of threads changes nothing in the result.
-    hash.addValue(options.method).addValue(options.model);
+    hash.addValue(options.method).addValue(options.model).addValue(options.reduce);
     return hash.hex();
 }
 

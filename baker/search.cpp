@@ -11,6 +11,8 @@ namespace {
 constexpr float kSettledError = 0.03f;
 // Above this error no single lobe fits, and minima are many: try the isotropic ones too.
 constexpr float kHopelessError = 0.06f;
+// Below this power the floor may hold one of the two powers up.
+constexpr float kFloorPower = 2.0f;
 // A closed form this narrow, relative to the mean lobe, says that the lobes lie within each other.
 constexpr float kCompact = 0.7f;
 
@@ -130,7 +132,13 @@ void Solver::fitAnisotropic(const Selection& selection)
     searchExactly(selection, kAnisotropic);
     searchClosedForms(above(selection, kAnisotropic, kHopelessError), kAnisotropic);
     // From the isotropic fit too, so that the result cannot be worse than it.
-    const Selection hopeless = above(selection, kAnisotropic, kHopelessError);
+    // Where the floor of the powers cuts in, an isotropic lobe may lie better within the limits.
+    Selection hopeless;
+    for (const uint32_t t : selection) {
+        const Found& best = texels_[t].best[kAnisotropic];
+        if (best.error > kHopelessError || scalarPower(best.shape) < kFloorPower)
+            hopeless.push_back(t);
+    }
     fitIsotropic(hopeless);
     starts_.clear();
     for (const uint32_t t : hopeless) {

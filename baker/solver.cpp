@@ -3,6 +3,11 @@
 
 namespace lumel::baker {
 
+void TexelTask::addChild(const Moments& part, double share)
+{
+    children[size_t(childCount++)] = {leanShape(part), float(luminance(part.ks)), float(share)};
+}
+
 Solver::Solver(const Options& options, bool colouredSpecular)
     : kernels_(kernels()), options_(options), coloured_(colouredSpecular)
 {

@@ -20,6 +20,8 @@ struct TexelTask {
     static constexpr int kMostChildren = 9;
     std::array<Child, kMostChildren> children;
     int childCount = 0;
+    // The LEAN lobe of a part of the texel as a child.
+    void addChild(const Moments& mean, double share);
     float* texel = nullptr;  // kChannels floats to fill
     float* shadow = nullptr; // the anisotropic fit beside an isotropic one, for the next level's children
 };
