@@ -1,0 +1,51 @@
+#include "baker/report.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "maps.h"
+#include <nlohmann/json.hpp>
+
+namespace lumel::baker {
+namespace {
+using namespace test;
+} // namespace
+
+TEST(Report, ComparesTheFitWithEveryClosedForm)
+{
+    const Maps maps = heightMaps(bumps(32, 32), 0.2f, 120.0f);
+    const ReflectanceMips mips = bake(maps, {});
+    const auto json = nlohmann::json::parse(reportJson(makeReport(maps, {}, mips, 1.5)));
+    EXPECT_EQ(json["schema"], 1);
+    EXPECT_EQ(json["seconds"], 1.5);
+    ASSERT_EQ(json["levels"].size(), mips.levels.size() - 1);
+    for (const auto& level : json["levels"]) {
+        ASSERT_EQ(level["methods"].size(), 6u);
+        const auto& fit = level["methods"][0];
+        EXPECT_EQ(fit["method"], "fit");
+        EXPECT_NEAR(fit["mean"].get<double>(), meanOf(mips.levels[level["level"]], kError), 1e-6);
+        for (const auto& other : level["methods"]) {
+            EXPECT_LE(fit["mean"].get<double>(), other["mean"].get<double>() + 1e-6);
+            EXPECT_LE(other["mean"].get<double>(), other["worst"].get<double>() + 1e-9);
+        }
+    }
+}
+
+TEST(Report, PageIsSelfContained)
+{
+    const Maps maps = normalMaps(noiseNormals(32, 32, 0.2f, 6), 60.0f);
+    Options options;
+    options.reduce = 1;
+    const ReflectanceMips mips = bake(maps, options);
+    const std::string page = reportHtml(maps, options, mips, makeReport(maps, options, mips, 0.1));
+    EXPECT_NE(page.find("data:image/bmp;base64,"), std::string::npos);
+    EXPECT_EQ(page.find("http"), std::string::npos);
+    EXPECT_EQ(page.find("<script"), std::string::npos);
+    for (const char* word : {"best", "median", "worst", "lean", "toksvig"})
+        EXPECT_NE(page.find(word), std::string::npos) << word;
+}
+
+TEST(Report, OtherExtensionsAreRefused)
+{
+    const Maps maps = heightMaps(bumps(4, 4), 0.2f, 120.0f);
+    EXPECT_THROW(writeReport("/tmp/report.txt", maps, {}, bake(maps, {}), 0.0), Error);
+}
+} // namespace lumel::baker
