@@ -1,5 +1,6 @@
 #include "commands.h"
 #include "core/error.h"
+#include "core/file.h"
 #include <charconv>
 #include <chrono>
 #include <fmt/format.h>
@@ -48,6 +49,7 @@ Image readIfNamed(const std::filesystem::path& file)
 void runBake(const BakeArguments& arguments)
 {
     const auto start = std::chrono::steady_clock::now();
+    checkWritable(arguments.output);
     baker::Maps maps;
     maps.height = readIfNamed(arguments.height);
     maps.heightScale = arguments.heightScale;
@@ -69,8 +71,8 @@ void runBake(const BakeArguments& arguments)
     baker::writeExr(arguments.output, mips, arguments.asFloat);
     const auto& base = mips.levels.front();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    fmt::print("{}: {} x {}, {} levels, {} {}, {:.2f} s\n", arguments.output.string(), base.width, base.height,
-               mips.levels.size(), mips.method, mips.model, seconds);
+    fmt::print("{}: {} x {}, {} levels, {} {}, {:.2f} s\n", arguments.output.string(), base.width,
+               base.height, mips.levels.size(), mips.method, mips.model, seconds);
 }
 
 } // namespace lumel

@@ -19,7 +19,8 @@ scene::Camera chooseCamera(const ShotArguments& arguments, const scene::Scene& s
         scene::Camera camera;
         camera.name = "options";
         camera.target = arguments.target.value_or(scene.bounds.centre());
-        camera.eye = arguments.eye.value_or(camera.target + glm::vec3(0.0f, 0.0f, 3.0f * scene.bounds.radius()));
+        camera.eye =
+            arguments.eye.value_or(camera.target + glm::vec3(0.0f, 0.0f, 3.0f * scene.bounds.radius()));
         camera.yFov = glm::radians(arguments.fovDegrees);
         camera.nearMetres = std::max(1e-4f, 0.001f * scene.bounds.radius());
         if (glm::distance(camera.eye, camera.target) < 1e-9f)
@@ -49,7 +50,9 @@ void runShot(const ShotArguments& arguments)
 {
     const std::string extension = arguments.output.extension().string();
     if (extension != ".png" && extension != ".exr")
-        throw Error(fmt::format("{}: unknown picture format; end the name in .png or .exr", arguments.output.string()));
+        throw Error(fmt::format("{}: unknown picture format; end the name in .png or .exr",
+                                arguments.output.string()));
+    checkWritable(arguments.output);
     const scene::Scene scene = scene::loadGltf(arguments.scene);
     const scene::Camera camera = chooseCamera(arguments, scene);
     const auto materials = scene::bakeMaterials(scene, {.method = arguments.filter,
@@ -60,20 +63,27 @@ void runShot(const ShotArguments& arguments)
     Renderer renderer(device, scene, materials, arguments.settings);
     const FrameStats stats = renderer.render(camera);
     writeImage(arguments.output, extension == ".exr" ? renderer.readRadiance() : renderer.readDisplay());
-    const RunInfo run{.device = device.properties().deviceName.data(),
+    const RunInfo run{.version = LUMEL_VERSION,
+                      .device = device.properties().deviceName.data(),
                       .driver = device.driver(),
                       .scene = arguments.scene.string(),
                       .shading = kShadingNames[size_t(arguments.settings.shading)],
                       .filter = kFilterNames[size_t(arguments.filter)],
                       .width = arguments.settings.size.x,
-                      .height = arguments.settings.size.y};
+                      .height = arguments.settings.size.y,
+                      .options = {{"camera", camera.name},
+                                  {"samples", std::to_string(arguments.settings.samples)},
+                                  {"msaa", std::to_string(arguments.settings.msaa)},
+                                  {"anisotropy", fmt::format("{}", arguments.settings.anisotropy)},
+                                  {"exposure", fmt::format("{}", arguments.settings.exposure)}}};
     if (!arguments.stats.empty())
         writeFileAtomically(arguments.stats, statsJson(run, {stats}).dump(1) + "\n");
-    fmt::print("{}: {} x {}, {}, filter {}, camera {}, {} lumels lit, {:.0f} ms on {}\n", arguments.output.string(),
-               run.width, run.height, run.shading, run.filter, camera.name.empty() ? "framed" : camera.name,
-               stats.lumelsLit, stats.ms, run.device);
+    fmt::print("{}: {} x {}, {}, filter {}, camera {}, {} lumels lit, {:.0f} ms on {}\n",
+               arguments.output.string(), run.width, run.height, run.shading, run.filter,
+               camera.name.empty() ? "framed" : camera.name, stats.lumelsLit, stats.ms, run.device);
     if (!device.validationMessages().empty())
-        throw Error(fmt::format("Vulkan validation: {} messages; report them", device.validationMessages().size()));
+        throw Error(
+            fmt::format("Vulkan validation: {} messages; report them", device.validationMessages().size()));
 }
 
 } // namespace lumel

@@ -10,16 +10,16 @@ namespace lumel {
 void Renderer::recordFrame(Frame& frame)
 {
     if (settings_.shading == Shading::tsl) {
-        need_.record(frame);                // which level of each object does this view need?
-        assignRoom(frame);                  // which recycled texture does each object draw?
-        light_.recordLight(frame, pool_);   // light its texels, once: linear radiance
+        need_.record(frame);              // which level of each object does this view need?
+        assignRoom(frame);                // which recycled texture does each object draw?
+        light_.recordLight(frame, pool_); // light its texels, once: linear radiance
         gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::computeReadWrite);
-        light_.recordLower(frame, pool_);   // derive the coarser levels
+        light_.recordLower(frame, pool_); // derive the coarser levels
     }
     if (settings_.shading == Shading::reference)
-        recordReference(frame);             // the truth: many shifted forward frames at level 0
+        recordReference(frame); // the truth: many shifted forward frames at level 0
     else
-        draw_.record(frame, pool_);         // look the light up, per pixel
+        draw_.record(frame, pool_); // look the light up, per pixel
     display_.record(frame, settings_.shading == Shading::reference ? settings_.samples : 0); // tone-map, once
 }
 
@@ -41,7 +41,11 @@ void Renderer::assignRoom(Frame& frame)
     frame.room = tsl::assignRoom(pool_.bookkeeping(), frame.needs, frame.index);
     pool_.update();
     scene_.writeObjects(frame.room);
-    stats_.lumelsLit = stats_.lumelsMarked = light_.listTiles(frame);
+    stats_.tilesLit = stats_.tilesMarked = light_.listTiles(frame);
+    stats_.lumelsLit = stats_.lumelsMarked = stats_.tilesLit * shared::kTileSize * shared::kTileSize;
+    for (const tsl::ObjectNeed& need : frame.needs)
+        if (need.lightable)
+            stats_.pixelsCovered += need.samples * NeedPass::kDivisor * NeedPass::kDivisor;
     stats_.levelBias = frame.room.levelBias;
     begin(frame);
 }
@@ -161,7 +165,8 @@ Image Renderer::readRadiance() const
 
 Image Renderer::readDisplay() const
 {
-    const auto bytes = gpu::readBack(device_, targets_.display, 4, gpu::masksOf(gpu::Use::transferRead).layout);
+    const auto bytes =
+        gpu::readBack(device_, targets_.display, 4, gpu::masksOf(gpu::Use::transferRead).layout);
     Image image(int(settings_.size.x), int(settings_.size.y), 3);
     for (size_t i = 0; i < image.pixels.size() / 3; ++i)
         for (size_t c = 0; c < 3; ++c)

@@ -10,8 +10,8 @@ namespace lumel {
 
 class Renderer {
 public:
-    Renderer(const gpu::Device& device, const scene::Scene& scene, const std::vector<scene::BakedMaterial>& materials,
-             const Settings& settings);
+    Renderer(const gpu::Device& device, const scene::Scene& scene,
+             const std::vector<scene::BakedMaterial>& materials, const Settings& settings);
 
     // Renders one frame and waits for it. Throws Interrupted after Ctrl-C.
     FrameStats render(const scene::Camera& camera);

@@ -31,13 +31,15 @@ std::string parsePoint(const std::string& text, std::optional<glm::vec3>& point)
 
 const std::map<std::string, baker::Method> kMethods = {{"fit", baker::Method::fit},
                                                        {"average", baker::Method::average}};
-const std::map<std::string, baker::Model> kModels = {{"blinn-phong", baker::Model::blinnPhong}};
+const std::map<std::string, baker::Model> kModels = {{"ashikhmin-shirley", baker::Model::ashikhminShirley},
+                                                     {"blinn-phong", baker::Model::blinnPhong}};
 const std::map<std::string, Shading> kShadings = {
     {"tsl", Shading::tsl}, {"forward", Shading::forward}, {"reference", Shading::reference}};
 const std::map<std::string, DrawFilter> kDrawFilters = {{"bilinear", DrawFilter::bilinear},
                                                         {"b-spline", DrawFilter::bspline},
                                                         {"catmull-rom", DrawFilter::catmullRom}};
-const std::map<std::string, baker::Wrap> kWraps = {{"repeat", baker::Wrap::repeat}, {"clamp", baker::Wrap::clamp}};
+const std::map<std::string, baker::Wrap> kWraps = {{"repeat", baker::Wrap::repeat},
+                                                   {"clamp", baker::Wrap::clamp}};
 
 void addBake(CLI::App& app, BakeArguments& a)
 {
@@ -55,11 +57,13 @@ void addBake(CLI::App& app, BakeArguments& a)
         ->default_str("repeat");
     command->add_option("--power", a.power, "Blinn-Phong power of every texel")->capture_default_str();
     command->add_option("--power-map", a.powerMap, "Blinn-Phong power, as stored (channel 0, float image)");
-    command->add_option("--roughness", a.roughness, "glTF perceptual roughness (channel 0) in place of a power");
+    command->add_option("--roughness", a.roughness,
+                        "glTF perceptual roughness (channel 0) in place of a power");
     command->add_option("--specular", a.specular, "Ks: a number, r,g,b or an image")->capture_default_str();
     command->add_option("--diffuse", a.diffuse, "Kd: a number, r,g,b or an image")->capture_default_str();
-    command->add_option("--model", a.options.model, "lobe to fit: blinn-phong")
-        ->transform(CLI::CheckedTransformer(kModels).description(""));
+    command->add_option("--model", a.options.model, "lobe to fit: ashikhmin-shirley or blinn-phong")
+        ->transform(CLI::CheckedTransformer(kModels).description(""))
+        ->default_str("ashikhmin-shirley");
     command->add_option("--method", a.options.method, "how coarser texels are made: fit or average")
         ->transform(CLI::CheckedTransformer(kMethods).description(""))
         ->default_str("fit");
@@ -76,14 +80,16 @@ void addBake(CLI::App& app, BakeArguments& a)
 void addDeviceOptions(CLI::App* command, ShotArguments& a)
 {
     command->add_option("--device", a.device.device, "Vulkan device, by index or part of its name");
-    command->add_flag("--validate", a.device.validation, "run under Vulkan validation; a message is a failure");
+    command->add_flag("--validate", a.device.validation,
+                      "run under Vulkan validation; a message is a failure");
 }
 
 void addShot(CLI::App& app, ShotArguments& a)
 {
     CLI::App* command = app.add_subcommand("shot", "Render a glTF scene to a picture");
     command->add_option("scene", a.scene, "glTF 2.0 file, .gltf or .glb")->required();
-    command->add_option("-o,--output", a.output, ".png (tone-mapped sRGB) or .exr (linear radiance)")->required();
+    command->add_option("-o,--output", a.output, ".png (tone-mapped sRGB) or .exr (linear radiance)")
+        ->required();
     command
         ->add_option_function<std::string>(
             "--size",
@@ -114,6 +120,9 @@ void addShot(CLI::App& app, ShotArguments& a)
     command->add_option("--filter", a.filter, "how materials' MIPs are made: fit or average")
         ->transform(CLI::CheckedTransformer(kMethods).description(""))
         ->default_str("fit");
+    command->add_option("--model", a.model, "lobe of materials: ashikhmin-shirley or blinn-phong")
+        ->transform(CLI::CheckedTransformer(kModels).description(""))
+        ->default_str("ashikhmin-shirley");
     command->add_option("--samples", a.settings.samples, "reference: samples a pixel")
         ->check(CLI::Range(1, 65536))
         ->capture_default_str();
@@ -130,11 +139,13 @@ void addShot(CLI::App& app, ShotArguments& a)
         ->capture_default_str();
     command
         ->add_option_function<size_t>(
-            "--pool-mb", [&a](size_t mb) { a.settings.poolBytes = mb << 20; }, "cap of the lit textures' memory")
+            "--pool-mb", [&a](size_t mb) { a.settings.poolBytes = mb << 20; },
+            "cap of the lit textures' memory")
         ->check(CLI::Range(1, 65536))
         ->default_str("256");
     command->add_flag("!--no-cache", a.useCache, "bake materials anew, do not touch the cache");
-    command->add_option("--threads", a.threads, "threads of the baker, 0 = all cores")->check(CLI::Range(0, 1024));
+    command->add_option("--threads", a.threads, "threads of the baker, 0 = all cores")
+        ->check(CLI::Range(0, 1024));
     command->add_option("--stats", a.stats, "write the frame's statistics as JSON");
     addDeviceOptions(command, a);
 }
@@ -161,6 +172,7 @@ int run(int argc, char** argv)
     addShot(app, shot);
     addCompare(app, compare);
     app.add_subcommand("help", "Show this help");
+    const std::string help = app.help(); // after parsing, CLI11 would print the subcommand's own
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
@@ -170,7 +182,7 @@ int run(int argc, char** argv)
         return 2;
     }
     if (app.got_subcommand("help"))
-        std::fputs(app.help().c_str(), stdout);
+        std::fputs(help.c_str(), stdout);
     if (app.got_subcommand("bake"))
         runBake(bake);
     if (app.got_subcommand("shot"))

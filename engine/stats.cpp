@@ -15,9 +15,14 @@ json frameJson(const FrameStats& f)
     return {{"ms", f.ms},
             {"passes", passes},
             {"lumels", {{"marked", f.lumelsMarked}, {"lit", f.lumelsLit}, {"kept", f.lumelsKept}}},
-            {"pool", {{"used_bytes", f.poolUsedBytes}, {"cap_bytes", f.poolCapBytes}, {"textures", f.poolTextures}}},
+            {"pixels_covered", f.pixelsCovered},
+            {"tiles", {{"marked", f.tilesMarked}, {"lit", f.tilesLit}}},
+            {"pool",
+             {{"used_bytes", f.poolUsedBytes}, {"cap_bytes", f.poolCapBytes}, {"textures", f.poolTextures}}},
             {"objects", {{"tsl", f.objectsTsl}, {"forward", f.objectsForward}, {"culled", f.objectsCulled}}},
-            {"level_bias", f.levelBias}};
+            {"render_scale", 1.0},
+            {"level_bias", f.levelBias},
+            {"error_rmse", nullptr}};
 }
 
 // Nearest-rank percentile of sorted values.
@@ -45,16 +50,12 @@ json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames)
                    {"p50_ms", percentile(sorted, 0.50)},
                    {"p95_ms", percentile(sorted, 0.95)},
                    {"p99_ms", percentile(sorted, 0.99)},
-                   {"max_ms", sorted.back()}};
-    return {{"schema", 1},
-            {"device", run.device},
-            {"driver", run.driver},
-            {"size", {run.width, run.height}},
-            {"scene", run.scene},
-            {"shading", run.shading},
-            {"filter", run.filter},
-            {"frames", list},
-            {"summary", summary}};
+                   {"max_ms", sorted.back()},
+                   {"missed", 0}}; // frames over the budget; there is none yet
+    return {{"schema", 1},          {"version", run.version}, {"options", run.options},
+            {"device", run.device}, {"driver", run.driver},   {"size", {run.width, run.height}},
+            {"scene", run.scene},   {"shading", run.shading}, {"filter", run.filter},
+            {"frames", list},       {"summary", summary}};
 }
 
 } // namespace lumel

@@ -12,6 +12,8 @@ struct FrameStats {
     double ms = 0.0;                      // wall time, CPU and GPU together
     std::map<std::string, double> passMs; // GPU time by pass
     size_t lumelsMarked = 0, lumelsLit = 0, lumelsKept = 0;
+    size_t tilesMarked = 0, tilesLit = 0;
+    size_t pixelsCovered = 0; // by objects in texture space, from the need pass: a multiple of 16
     size_t poolUsedBytes = 0, poolCapBytes = 0, poolTextures = 0;
     size_t objectsTsl = 0, objectsForward = 0, objectsCulled = 0;
     unsigned levelBias = 0;
@@ -19,8 +21,9 @@ struct FrameStats {
 
 // What a run was: the head of the JSON.
 struct RunInfo {
-    std::string device, driver, scene, shading, filter;
+    std::string version, device, driver, scene, shading, filter;
     unsigned width = 0, height = 0;
+    std::map<std::string, std::string> options; // what else the picture depends on
 };
 
 nlohmann::json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames);

@@ -13,8 +13,9 @@ namespace {
 void checkSameSize(const Image& a, const Image& b)
 {
     if (a.width != b.width || a.height != b.height)
-        throw Error(fmt::format("pictures differ in size ({} x {} and {} x {}); render both with the same --size",
-                                a.width, a.height, b.width, b.height));
+        throw Error(
+            fmt::format("pictures differ in size ({} x {} and {} x {}); render both with the same --size",
+                        a.width, a.height, b.width, b.height));
 }
 
 OIIO::ImageBuf wrap(const Image& image)
@@ -37,7 +38,8 @@ Comparison compareImages(const Image& a, const Image& b)
         result.maxDifference = std::max(result.maxDifference, difference);
     }
     result.rmse = std::sqrt(sum / double(a.pixels.size()));
-    result.psnr = result.rmse > 0.0 ? -20.0 * std::log10(result.rmse) : std::numeric_limits<double>::infinity();
+    result.psnr =
+        result.rmse > 0.0 ? -20.0 * std::log10(result.rmse) : std::numeric_limits<double>::infinity();
     OIIO::ImageBufAlgo::CompareResults yee;
     const OIIO::ImageBuf bufferA = wrap(a), bufferB = wrap(b);
     result.yeeFailures = size_t(OIIO::ImageBufAlgo::compare_Yee(bufferA, bufferB, yee));

@@ -17,8 +17,8 @@ Comparison compareImages(const Image& a, const Image& b);
 // |a - b| times `gain`, RGB.
 Image differenceImage(const Image& a, const Image& b, float gain = 4.0f);
 
-// Reads a picture as RGB display values: .exr holds linear radiance and is tone-mapped as the renderer does at
-// exposure 1, anything else is taken as sRGB already.
+// Reads a picture as RGB display values: .exr holds linear radiance and is tone-mapped as the renderer does
+// at exposure 1, anything else is taken as sRGB already.
 Image readDisplayImage(const std::filesystem::path& file);
 
 } // namespace lumel

@@ -31,17 +31,31 @@ std::vector<std::byte> readFile(const fs::path& file, size_t maxBytes)
     return bytes;
 }
 
-void writeAtomically(const fs::path& file, const std::function<void(const fs::path&)>& write)
+namespace {
+fs::path folderOf(const fs::path& file)
 {
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+} // namespace
+
+void checkWritable(const fs::path& file)
+{
+    const fs::path folder = folderOf(file);
     if (!fs::is_directory(folder))
-        throw Error(fmt::format("{}: folder {} does not exist; make it first", file.string(), folder.string()));
+        throw Error(
+            fmt::format("{}: folder {} does not exist; make it first", file.string(), folder.string()));
     if (access(folder.c_str(), W_OK) != 0)
-        throw Error(fmt::format("{}: folder {} is not writable; choose another", file.string(), folder.string()));
+        throw Error(
+            fmt::format("{}: folder {} is not writable; choose another", file.string(), folder.string()));
     if (fs::is_directory(file))
         throw Error(fmt::format("{}: is a folder; name a file", file.string()));
+}
+
+void writeAtomically(const fs::path& file, const std::function<void(const fs::path&)>& write)
+{
+    checkWritable(file);
     const fs::path temporary =
-        folder / fmt::format(".{}.{}{}", file.stem().string(), getpid(), file.extension().string());
+        folderOf(file) / fmt::format(".{}.{}{}", file.stem().string(), getpid(), file.extension().string());
     try {
         write(temporary);
         fs::rename(temporary, file);

@@ -13,6 +13,9 @@ namespace lumel {
 // Reads a whole file. Throws Error naming it when missing, unreadable, a folder, or over `maxBytes`.
 std::vector<std::byte> readFile(const std::filesystem::path& file, size_t maxBytes = size_t(4) << 30);
 
+// Throws Error unless a file could be written there: commands call it before long work.
+void checkWritable(const std::filesystem::path& file);
+
 // Calls `write` with a fresh temporary name beside `file` (same extension), then renames it over `file`.
 // When `write` throws, the temporary is removed and `file` is untouched. Throws Error if the folder is
 // missing or not writable.

@@ -36,7 +36,8 @@ Image readOpened(OIIO::ImageInput& input, const std::string& name)
         throw Error(fmt::format("{}: {} channels, at most 64 are read; export fewer", name, spec.nchannels));
     Image image(spec.width, spec.height, spec.nchannels);
     if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
-        throw Error(fmt::format("{}: damaged image ({}); export it again", name, firstLine(input.geterror())));
+        throw Error(
+            fmt::format("{}: damaged image ({}); export it again", name, firstLine(input.geterror())));
     return image;
 }
 
@@ -112,12 +113,14 @@ void writeImage(const std::filesystem::path& file, const Image& image)
 
 void floatsToHalf(std::span<const float> from, uint16_t* to)
 {
-    OIIO::convert_pixel_values(OIIO::TypeDesc::FLOAT, from.data(), OIIO::TypeDesc::HALF, to, int(from.size()));
+    OIIO::convert_pixel_values(OIIO::TypeDesc::FLOAT, from.data(), OIIO::TypeDesc::HALF, to,
+                               int(from.size()));
 }
 
 void halfToFloats(std::span<const uint16_t> from, float* to)
 {
-    OIIO::convert_pixel_values(OIIO::TypeDesc::HALF, from.data(), OIIO::TypeDesc::FLOAT, to, int(from.size()));
+    OIIO::convert_pixel_values(OIIO::TypeDesc::HALF, from.data(), OIIO::TypeDesc::FLOAT, to,
+                               int(from.size()));
 }
 
 float srgbToLinear(float encoded)

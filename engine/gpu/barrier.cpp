@@ -9,13 +9,19 @@ UseMasks masksOf(Use use)
     using Layout = vk::ImageLayout;
     const auto depthStages = Stage::eEarlyFragmentTests | Stage::eLateFragmentTests;
     switch (use) {
-    case Use::undefined: return {Stage::eNone, Access::eNone, Layout::eUndefined};
-    case Use::transferRead: return {Stage::eTransfer, Access::eTransferRead, Layout::eTransferSrcOptimal};
-    case Use::transferWrite: return {Stage::eTransfer, Access::eTransferWrite, Layout::eTransferDstOptimal};
-    case Use::computeRead: return {Stage::eComputeShader, Access::eShaderStorageRead, Layout::eGeneral};
-    case Use::computeWrite: return {Stage::eComputeShader, Access::eShaderStorageWrite, Layout::eGeneral};
+    case Use::undefined:
+        return {Stage::eNone, Access::eNone, Layout::eUndefined};
+    case Use::transferRead:
+        return {Stage::eTransfer, Access::eTransferRead, Layout::eTransferSrcOptimal};
+    case Use::transferWrite:
+        return {Stage::eTransfer, Access::eTransferWrite, Layout::eTransferDstOptimal};
+    case Use::computeRead:
+        return {Stage::eComputeShader, Access::eShaderStorageRead, Layout::eGeneral};
+    case Use::computeWrite:
+        return {Stage::eComputeShader, Access::eShaderStorageWrite, Layout::eGeneral};
     case Use::computeReadWrite:
-        return {Stage::eComputeShader, Access::eShaderStorageRead | Access::eShaderStorageWrite, Layout::eGeneral};
+        return {Stage::eComputeShader, Access::eShaderStorageRead | Access::eShaderStorageWrite,
+                Layout::eGeneral};
     case Use::computeSample:
         return {Stage::eComputeShader, Access::eShaderSampledRead, Layout::eShaderReadOnlyOptimal};
     case Use::fragmentSample:
@@ -26,7 +32,8 @@ UseMasks masksOf(Use use)
     case Use::depthWrite:
         return {depthStages, Access::eDepthStencilAttachmentRead | Access::eDepthStencilAttachmentWrite,
                 Layout::eDepthAttachmentOptimal};
-    case Use::hostRead: return {Stage::eHost, Access::eHostRead, Layout::eGeneral};
+    case Use::hostRead:
+        return {Stage::eHost, Access::eHostRead, Layout::eGeneral};
     }
     return {};
 }
@@ -47,7 +54,8 @@ void imageBarrier(vk::CommandBuffer commands, vk::Image image, vk::ImageAspectFl
         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .image = image,
         .subresourceRange = {aspect, 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS}};
-    commands.pipelineBarrier2(vk::DependencyInfo{.imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier});
+    commands.pipelineBarrier2(
+        vk::DependencyInfo{.imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier});
 }
 
 void memoryBarrier(vk::CommandBuffer commands, Use from, Use to)

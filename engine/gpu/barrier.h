@@ -5,10 +5,10 @@
 namespace lumel::gpu {
 
 enum class Use {
-    undefined,      // contents do not matter
+    undefined, // contents do not matter
     transferRead,
     transferWrite,
-    computeRead,    // storage image or buffer
+    computeRead, // storage image or buffer
     computeWrite,
     computeReadWrite,
     computeSample,  // sampled image

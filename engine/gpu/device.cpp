@@ -26,10 +26,14 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT 
 int preference(vk::PhysicalDeviceType type)
 {
     switch (type) {
-    case vk::PhysicalDeviceType::eDiscreteGpu: return 0;
-    case vk::PhysicalDeviceType::eIntegratedGpu: return 1;
-    case vk::PhysicalDeviceType::eVirtualGpu: return 2;
-    default: return 3;
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+        return 0;
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+        return 1;
+    case vk::PhysicalDeviceType::eVirtualGpu:
+        return 2;
+    default:
+        return 3;
     }
 }
 
@@ -122,14 +126,16 @@ void Device::choosePhysical(const std::string& wanted)
     });
     size_t index = devices.size();
     const auto parsed = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
-    const bool byIndex = !wanted.empty() && parsed.ec == std::errc() && parsed.ptr == wanted.data() + wanted.size();
+    const bool byIndex =
+        !wanted.empty() && parsed.ec == std::errc() && parsed.ptr == wanted.data() + wanted.size();
     std::string reasons;
     for (const size_t i : order) {
         const auto properties = devices[i].getProperties();
         const std::string name = properties.deviceName.data();
         if (byIndex ? i != index : name.find(wanted) == std::string::npos)
             continue;
-        std::string missing = properties.apiVersion < VK_API_VERSION_1_3 ? "Vulkan 1.3" : missingFeature(devices[i]);
+        std::string missing =
+            properties.apiVersion < VK_API_VERSION_1_3 ? "Vulkan 1.3" : missingFeature(devices[i]);
         if (missing.empty()) {
             physical_ = std::move(devices[i]);
             properties_ = properties;
@@ -138,10 +144,12 @@ void Device::choosePhysical(const std::string& wanted)
         reasons += fmt::format(" ({} lacks {})", name, missing);
     }
     if (!*physical_)
-        throw Error(fmt::format("Vulkan: no usable device{}{}; update the driver or choose another with --device",
-                                wanted.empty() ? "" : " named " + wanted, reasons));
+        throw Error(
+            fmt::format("Vulkan: no usable device{}{}; update the driver or choose another with --device",
+                        wanted.empty() ? "" : " named " + wanted, reasons));
     memory_ = physical_.getMemoryProperties();
-    const auto chain = physical_.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+    const auto chain =
+        physical_.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
     const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
     driver_ = fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
 }
@@ -159,15 +167,16 @@ void Device::createDevice()
     const float priority = 1.0f;
     const vk::DeviceQueueCreateInfo queue{
         .queueFamilyIndex = queueFamily_, .queueCount = 1, .pQueuePriorities = &priority};
-    const vk::StructureChain<vk::DeviceCreateInfo, vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features,
-                             vk::PhysicalDeviceVulkan13Features>
+    const vk::StructureChain<vk::DeviceCreateInfo, vk::PhysicalDeviceFeatures2,
+                             vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceVulkan13Features>
         info({.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue}, {},
              {.scalarBlockLayout = VK_TRUE, .bufferDeviceAddress = VK_TRUE},
              {.synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE, .maintenance4 = VK_TRUE});
     device_ = vk::raii::Device(physical_, info.get<vk::DeviceCreateInfo>());
     queue_ = vk::raii::Queue(device_, queueFamily_, 0);
-    commandPool_ = vk::raii::CommandPool(device_, {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
-                                                   .queueFamilyIndex = queueFamily_});
+    commandPool_ =
+        vk::raii::CommandPool(device_, {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
+                                        .queueFamilyIndex = queueFamily_});
     // Sets: one a material, a pool block and a pass. 4096 materials with 8 images each fill it.
     const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eCombinedImageSampler, 32768},
                                             {vk::DescriptorType::eStorageImage, 16384}};
@@ -185,8 +194,8 @@ std::vector<std::string> Device::validationMessages() const
     return validationLog_->messages;
 }
 
-vk::raii::DeviceMemory Device::allocate(const vk::MemoryRequirements& requirements, vk::MemoryPropertyFlags wanted,
-                                        bool deviceAddress) const
+vk::raii::DeviceMemory Device::allocate(const vk::MemoryRequirements& requirements,
+                                        vk::MemoryPropertyFlags wanted, bool deviceAddress) const
 {
     for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
         const bool fits = requirements.memoryTypeBits & (1u << i);
@@ -229,7 +238,8 @@ void Device::runOnce(const std::function<void(vk::CommandBuffer)>& record) const
 void Device::beginLabel(vk::CommandBuffer commands, const char* text) const
 {
     if (validation_)
-        commands.beginDebugUtilsLabelEXT(vk::DebugUtilsLabelEXT{.pLabelName = text}, *device_.getDispatcher());
+        commands.beginDebugUtilsLabelEXT(vk::DebugUtilsLabelEXT{.pLabelName = text},
+                                         *device_.getDispatcher());
 }
 
 void Device::endLabel(vk::CommandBuffer commands) const

@@ -11,7 +11,8 @@
 namespace lumel::gpu {
 
 struct DeviceOptions {
-    std::string device; // index or part of the name; empty = the first discrete, integrated, then software one
+    std::string
+        device; // index or part of the name; empty = the first discrete, integrated, then software one
     bool validation = false;
 };
 
@@ -37,8 +38,8 @@ public:
     std::string driver() const { return driver_; }
     std::vector<std::string> validationMessages() const;
 
-    vk::raii::DeviceMemory allocate(const vk::MemoryRequirements& requirements, vk::MemoryPropertyFlags wanted,
-                                    bool deviceAddress = false) const;
+    vk::raii::DeviceMemory allocate(const vk::MemoryRequirements& requirements,
+                                    vk::MemoryPropertyFlags wanted, bool deviceAddress = false) const;
 
     // Records, submits and waits. For uploads and readbacks, not for frames.
     void runOnce(const std::function<void(vk::CommandBuffer)>& record) const;

@@ -61,9 +61,9 @@ SetLayout makeSetLayout(const Device& device, const std::vector<vk::DescriptorTy
 
 vk::raii::DescriptorSet makeSet(const Device& device, const SetLayout& layout)
 {
-    vk::raii::DescriptorSets sets(device.handle(), {.descriptorPool = *device.descriptorPool(),
-                                                    .descriptorSetCount = 1,
-                                                    .pSetLayouts = &*layout});
+    vk::raii::DescriptorSets sets(
+        device.handle(),
+        {.descriptorPool = *device.descriptorPool(), .descriptorSetCount = 1, .pSetLayouts = &*layout});
     return std::move(sets.front());
 }
 
@@ -84,12 +84,13 @@ void writeSampled(const Device& device, vk::DescriptorSet set, uint32_t binding,
 void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::ImageView view)
 {
     const vk::DescriptorImageInfo image{.imageView = view, .imageLayout = vk::ImageLayout::eGeneral};
-    device.handle().updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = set,
-                                                                .dstBinding = binding,
-                                                                .descriptorCount = 1,
-                                                                .descriptorType = vk::DescriptorType::eStorageImage,
-                                                                .pImageInfo = &image},
-                                         nullptr);
+    device.handle().updateDescriptorSets(
+        vk::WriteDescriptorSet{.dstSet = set,
+                               .dstBinding = binding,
+                               .descriptorCount = 1,
+                               .descriptorType = vk::DescriptorType::eStorageImage,
+                               .pImageInfo = &image},
+        nullptr);
 }
 
 Pipeline makeComputePipeline(const Device& device, const std::string& shader,
@@ -117,22 +118,24 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
         {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
         {.stage = vk::ShaderStageFlagBits::eFragment, .module = *fragment, .pName = "main"}};
     const vk::PipelineVertexInputStateCreateInfo noInput;
-    const vk::PipelineInputAssemblyStateCreateInfo triangles{.topology = vk::PrimitiveTopology::eTriangleList};
+    const vk::PipelineInputAssemblyStateCreateInfo triangles{.topology =
+                                                                 vk::PrimitiveTopology::eTriangleList};
     const vk::PipelineViewportStateCreateInfo viewport{.viewportCount = 1, .scissorCount = 1};
-    const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill, .lineWidth = 1.0f};
+    const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill,
+                                                          .lineWidth = 1.0f};
     const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = info.samples};
     const vk::PipelineDepthStencilStateCreateInfo depth{.depthTestEnable = VK_TRUE,
                                                         .depthWriteEnable = !info.blend,
                                                         .depthCompareOp = vk::CompareOp::eGreater};
     using Factor = vk::BlendFactor;
     using Component = vk::ColorComponentFlagBits;
-    const vk::PipelineColorBlendAttachmentState attachment{
-        .blendEnable = info.blend,
-        .srcColorBlendFactor = Factor::eSrcAlpha,
-        .dstColorBlendFactor = Factor::eOneMinusSrcAlpha,
-        .srcAlphaBlendFactor = Factor::eOne,
-        .dstAlphaBlendFactor = Factor::eOneMinusSrcAlpha,
-        .colorWriteMask = Component::eR | Component::eG | Component::eB | Component::eA};
+    const vk::PipelineColorBlendAttachmentState attachment{.blendEnable = info.blend,
+                                                           .srcColorBlendFactor = Factor::eSrcAlpha,
+                                                           .dstColorBlendFactor = Factor::eOneMinusSrcAlpha,
+                                                           .srcAlphaBlendFactor = Factor::eOne,
+                                                           .dstAlphaBlendFactor = Factor::eOneMinusSrcAlpha,
+                                                           .colorWriteMask = Component::eR | Component::eG |
+                                                                             Component::eB | Component::eA};
     const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = 1, .pAttachments = &attachment};
     const vk::DynamicState dynamicStates[] = {vk::DynamicState::eViewport, vk::DynamicState::eScissor,
                                               vk::DynamicState::eCullMode, vk::DynamicState::eFrontFace};

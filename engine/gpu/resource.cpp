@@ -10,11 +10,10 @@ Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string&
     : size_(std::max<size_t>(bytes, 16))
 {
     using Usage = vk::BufferUsageFlagBits;
-    buffer_ = vk::raii::Buffer(device.handle(),
-                               {.size = size_,
-                                .usage = Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst |
-                                         Usage::eIndirectBuffer | Usage::eIndexBuffer |
-                                         Usage::eShaderDeviceAddress});
+    buffer_ = vk::raii::Buffer(device.handle(), {.size = size_,
+                                                 .usage = Usage::eStorageBuffer | Usage::eTransferSrc |
+                                                          Usage::eTransferDst | Usage::eIndirectBuffer |
+                                                          Usage::eIndexBuffer | Usage::eShaderDeviceAddress});
     using Property = vk::MemoryPropertyFlagBits;
     const auto wanted = home == Home::host ? Property::eHostVisible | Property::eHostCoherent
                                            : vk::MemoryPropertyFlags(Property::eDeviceLocal);
@@ -41,7 +40,8 @@ Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const
 
 vk::ImageAspectFlags Image::aspect() const
 {
-    return info_.format == vk::Format::eD32Sfloat ? vk::ImageAspectFlagBits::eDepth : vk::ImageAspectFlagBits::eColor;
+    return info_.format == vk::Format::eD32Sfloat ? vk::ImageAspectFlagBits::eDepth
+                                                  : vk::ImageAspectFlagBits::eColor;
 }
 
 Image::Image(const Device& device, const ImageInfo& info, const std::string& name) : info_(info)
@@ -60,7 +60,8 @@ Image::Image(const Device& device, const ImageInfo& info, const std::string& nam
     image_.bindMemory(*memory_, 0);
     device.name(image_, name);
 
-    const auto type = info.layers > 1 || info.arrayView ? vk::ImageViewType::e2DArray : vk::ImageViewType::e2D;
+    const auto type =
+        info.layers > 1 || info.arrayView ? vk::ImageViewType::e2DArray : vk::ImageViewType::e2D;
     vk::ImageViewCreateInfo view{.image = *image_,
                                  .viewType = type,
                                  .format = info.format,
@@ -91,7 +92,8 @@ Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
     std::vector<vk::BufferImageCopy> copies;
     size_t offset = 0;
     for (uint32_t mip = 0; mip < levels.size(); ++mip) {
-        std::memcpy(staging.mapped<std::byte>() + offset, levels[mip].data(), levels[mip].size() * sizeof(uint16_t));
+        std::memcpy(staging.mapped<std::byte>() + offset, levels[mip].data(),
+                    levels[mip].size() * sizeof(uint16_t));
         copies.push_back({.bufferOffset = offset,
                           .imageSubresource = {vk::ImageAspectFlagBits::eColor, mip, 0, 1},
                           .imageExtent = {std::max(1u, width >> mip), std::max(1u, height >> mip), 1}});
@@ -99,13 +101,15 @@ Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
     }
     device.runOnce([&](vk::CommandBuffer commands) {
         imageBarrier(commands, image.handle(), image.aspect(), Use::undefined, Use::transferWrite);
-        commands.copyBufferToImage(staging.handle(), image.handle(), vk::ImageLayout::eTransferDstOptimal, copies);
+        commands.copyBufferToImage(staging.handle(), image.handle(), vk::ImageLayout::eTransferDstOptimal,
+                                   copies);
         imageBarrier(commands, image.handle(), image.aspect(), Use::transferWrite, Use::fragmentSample);
     });
     return image;
 }
 
-std::vector<std::byte> readBack(const Device& device, const Image& image, size_t bytesPerTexel, vk::ImageLayout from)
+std::vector<std::byte> readBack(const Device& device, const Image& image, size_t bytesPerTexel,
+                                vk::ImageLayout from)
 {
     const size_t bytes = size_t(image.info().width) * image.info().height * bytesPerTexel;
     const Buffer staging(device, bytes, Buffer::Home::host, "read back");

@@ -24,7 +24,8 @@ void Timer::begin(vk::CommandBuffer commands, const char* name)
 
 void Timer::end(vk::CommandBuffer commands)
 {
-    commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_, uint32_t(2 * names_.size() - 1));
+    commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_,
+                             uint32_t(2 * names_.size() - 1));
 }
 
 std::vector<std::pair<std::string, double>> Timer::results() const
@@ -33,8 +34,9 @@ std::vector<std::pair<std::string, double>> Timer::results() const
     if (names_.empty())
         return times;
     const uint32_t count = uint32_t(2 * names_.size());
-    const auto ticks = pool_.getResults<uint64_t>(0, count, count * sizeof(uint64_t), sizeof(uint64_t),
-                                                  vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
+    const auto ticks =
+        pool_.getResults<uint64_t>(0, count, count * sizeof(uint64_t), sizeof(uint64_t),
+                                   vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
     const double msPerTick = device_.properties().limits.timestampPeriod * 1e-6;
     for (size_t i = 0; i < names_.size(); ++i)
         times.emplace_back(names_[i], double(ticks.second[2 * i + 1] - ticks.second[2 * i]) * msPerTick);

@@ -6,11 +6,12 @@ DisplayPass::DisplayPass(const gpu::Device& device, const Targets& targets)
     : sampler_(device.handle(), vk::SamplerCreateInfo{}),
       accumulateLayout_(
           gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
-      displayLayout_(
-          gpu::makeSetLayout(device, {vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eStorageImage})),
-      accumulate_(
-          gpu::makeComputePipeline(device, "accumulate.comp", {*accumulateLayout_}, sizeof(shared::DisplayPush))),
-      display_(gpu::makeComputePipeline(device, "display.comp", {*displayLayout_}, sizeof(shared::DisplayPush)))
+      displayLayout_(gpu::makeSetLayout(
+          device, {vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eStorageImage})),
+      accumulate_(gpu::makeComputePipeline(device, "accumulate.comp", {*accumulateLayout_},
+                                           sizeof(shared::DisplayPush))),
+      display_(
+          gpu::makeComputePipeline(device, "display.comp", {*displayLayout_}, sizeof(shared::DisplayPush)))
 {
     const auto showing = [&](const gpu::Image& radiance) {
         auto set = gpu::makeSet(device, displayLayout_);
@@ -30,21 +31,25 @@ DisplayPass::DisplayPass(const gpu::Device& device, const Targets& targets)
 void DisplayPass::clearSum(Frame& frame)
 {
     const gpu::Image& sum = frame.targets.sum;
-    gpu::imageBarrier(frame.commands, sum.handle(), sum.aspect(), gpu::Use::undefined, gpu::Use::transferWrite);
+    gpu::imageBarrier(frame.commands, sum.handle(), sum.aspect(), gpu::Use::undefined,
+                      gpu::Use::transferWrite);
     frame.commands.clearColorImage(sum.handle(), vk::ImageLayout::eTransferDstOptimal, vk::ClearColorValue{},
                                    vk::ImageSubresourceRange{sum.aspect(), 0, 1, 0, 1});
-    gpu::imageBarrier(frame.commands, sum.handle(), sum.aspect(), gpu::Use::transferWrite, gpu::Use::computeReadWrite);
+    gpu::imageBarrier(frame.commands, sum.handle(), sum.aspect(), gpu::Use::transferWrite,
+                      gpu::Use::computeReadWrite);
 }
 
 void DisplayPass::accumulate(Frame& frame)
 {
     const gpu::Image& hdr = frame.targets.hdr;
-    gpu::imageBarrier(frame.commands, hdr.handle(), hdr.aspect(), gpu::Use::colorWrite, gpu::Use::computeRead);
+    gpu::imageBarrier(frame.commands, hdr.handle(), hdr.aspect(), gpu::Use::colorWrite,
+                      gpu::Use::computeRead);
     gpu::memoryBarrier(frame.commands, gpu::Use::computeReadWrite, gpu::Use::computeReadWrite);
     frame.commands.bindPipeline(vk::PipelineBindPoint::eCompute, *accumulate_.handle);
-    frame.commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *accumulate_.layout, 0, *accumulateSet_,
-                                      nullptr);
-    pushConstants(frame.commands, accumulate_, shared::DisplayPush{.view = frame.view, .weight = 1.0f, .encode = 0});
+    frame.commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *accumulate_.layout, 0,
+                                      *accumulateSet_, nullptr);
+    pushConstants(frame.commands, accumulate_,
+                  shared::DisplayPush{.view = frame.view, .weight = 1.0f, .encode = 0});
     const glm::uvec2 size = frame.settings.size;
     frame.commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
 }
@@ -56,8 +61,10 @@ void DisplayPass::record(Frame& frame, int sampleCount)
     const gpu::Image& source = sampleCount ? frame.targets.sum : frame.targets.hdr;
     const gpu::Image& display = frame.targets.display;
     gpu::imageBarrier(commands, source.handle(), source.aspect(),
-                      sampleCount ? gpu::Use::computeReadWrite : gpu::Use::colorWrite, gpu::Use::computeSample);
-    gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::undefined, gpu::Use::computeWrite);
+                      sampleCount ? gpu::Use::computeReadWrite : gpu::Use::colorWrite,
+                      gpu::Use::computeSample);
+    gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::undefined,
+                      gpu::Use::computeWrite);
     commands.bindPipeline(vk::PipelineBindPoint::eCompute, *display_.handle);
     commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *display_.layout, 0,
                                 sampleCount ? *sumSet_ : *hdrSet_, nullptr);
@@ -66,8 +73,10 @@ void DisplayPass::record(Frame& frame, int sampleCount)
                       .view = frame.view, .weight = 1.0f / float(std::max(sampleCount, 1)), .encode = 1});
     const glm::uvec2 size = frame.settings.size;
     commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
-    gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample, gpu::Use::transferRead);
-    gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::computeWrite, gpu::Use::transferRead);
+    gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,
+                      gpu::Use::transferRead);
+    gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::computeWrite,
+                      gpu::Use::transferRead);
 }
 
 } // namespace lumel

@@ -8,7 +8,7 @@ class DisplayPass {
 public:
     DisplayPass(const gpu::Device& device, const Targets& targets);
     void clearSum(Frame& frame);
-    void accumulate(Frame& frame);             // adds hdr to the sum
+    void accumulate(Frame& frame);              // adds hdr to the sum
     void record(Frame& frame, int sampleCount); // 0: shows hdr, else the sum's mean
 
 private:

@@ -3,14 +3,16 @@
 
 namespace lumel {
 
-DrawPass::DrawPass(const gpu::Device& device, const Settings& settings, const GpuScene& scene, const LitPool& pool)
+DrawPass::DrawPass(const gpu::Device& device, const Settings& settings, const GpuScene& scene,
+                   const LitPool& pool)
 {
     const bool multisampling = settings.msaa > 1 && settings.shading != Shading::reference;
     gpu::GraphicsInfo info{.vertex = "surface.vert",
                            .fragment = "draw.frag",
                            .sets = {*pool.drawLayout()},
                            .pushBytes = sizeof(shared::DrawPush),
-                           .samples = multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1};
+                           .samples =
+                               multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1};
     lit_ = gpu::makeGraphicsPipeline(device, info);
     info.fragment = "forward.frag";
     info.sets = {*scene.materialLayout()};
@@ -54,8 +56,8 @@ void DrawPass::record(Frame& frame, LitPool& pool)
     const glm::vec3 horizon = 0.5f * (frame.scene.skyRadiance() + frame.scene.groundRadiance());
     color.clearValue = vk::ClearColorValue(std::array<float, 4>{horizon.r, horizon.g, horizon.b, 1.0f});
     if (multisampling) {
-        gpu::imageBarrier(commands, targets.multisampled.handle(), targets.multisampled.aspect(), gpu::Use::undefined,
-                          gpu::Use::colorWrite);
+        gpu::imageBarrier(commands, targets.multisampled.handle(), targets.multisampled.aspect(),
+                          gpu::Use::undefined, gpu::Use::colorWrite);
         // Resolved in linear light, like the reference's samples.
         color.imageView = targets.multisampled.view();
         color.storeOp = vk::AttachmentStoreOp::eDontCare;
@@ -84,7 +86,8 @@ void DrawPass::record(Frame& frame, LitPool& pool)
             drawObject(frame, pool, i);
             continue;
         }
-        const glm::vec3 centre = objects[i].data.worldFromObject * glm::vec4(objects[i].bounds.centre(), 1.0f);
+        const glm::vec3 centre =
+            objects[i].data.worldFromObject * glm::vec4(objects[i].bounds.centre(), 1.0f);
         blended.emplace_back(glm::distance(centre, frame.eye), i);
     }
     std::sort(blended.begin(), blended.end(), [](const auto& a, const auto& b) { return a.first > b.first; });

@@ -1,4 +1,5 @@
-// Draw: objects with a lit texture sample it; the others are shaded forward; blended ones last, back to front.
+// Draw: objects with a lit texture sample it; the others are shaded forward; blended ones last, back to
+// front.
 #pragma once
 #include "lit_pool.h"
 

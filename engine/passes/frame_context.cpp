@@ -8,11 +8,12 @@ Targets::Targets(const gpu::Device& device, const Settings& settings)
     const uint32_t width = settings.size.x, height = settings.size.y;
     const bool multisampling = settings.msaa > 1 && settings.shading != Shading::reference;
     const auto samples = multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1;
-    hdr = gpu::Image(device,
-                     {.width = width,
-                      .height = height,
-                      .usage = Usage::eColorAttachment | Usage::eSampled | Usage::eStorage | Usage::eTransferSrc},
-                     "hdr");
+    hdr = gpu::Image(
+        device,
+        {.width = width,
+         .height = height,
+         .usage = Usage::eColorAttachment | Usage::eSampled | Usage::eStorage | Usage::eTransferSrc},
+        "hdr");
     depth = gpu::Image(device,
                        {.format = vk::Format::eD32Sfloat,
                         .width = width,
@@ -25,12 +26,13 @@ Targets::Targets(const gpu::Device& device, const Settings& settings)
             device, {.width = width, .height = height, .usage = Usage::eColorAttachment, .samples = samples},
             "multisampled");
     if (settings.shading == Shading::reference)
-        sum = gpu::Image(device,
-                         {.format = vk::Format::eR32G32B32A32Sfloat,
-                          .width = width,
-                          .height = height,
-                          .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc | Usage::eTransferDst},
-                         "reference sum");
+        sum = gpu::Image(
+            device,
+            {.format = vk::Format::eR32G32B32A32Sfloat,
+             .width = width,
+             .height = height,
+             .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc | Usage::eTransferDst},
+            "reference sum");
     display = gpu::Image(device,
                          {.format = vk::Format::eR8G8B8A8Unorm,
                           .width = width,
@@ -42,7 +44,8 @@ Targets::Targets(const gpu::Device& device, const Settings& settings)
 void setViewport(vk::CommandBuffer commands, vk::Extent2D extent)
 {
     commands.setViewport(
-        0, vk::Viewport{.width = float(extent.width), .height = float(extent.height), .minDepth = 0, .maxDepth = 1});
+        0, vk::Viewport{
+               .width = float(extent.width), .height = float(extent.height), .minDepth = 0, .maxDepth = 1});
     commands.setScissor(0, vk::Rect2D{{0, 0}, extent});
 }
 

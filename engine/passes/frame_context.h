@@ -10,11 +10,11 @@ namespace lumel {
 // Render targets of one picture size.
 struct Targets {
     Targets(const gpu::Device& device, const Settings& settings);
-    gpu::Image hdr;        // linear radiance, RGBA16F, one sample a pixel
-    gpu::Image depth;      // D32, as many samples as the draw pass
+    gpu::Image hdr;          // linear radiance, RGBA16F, one sample a pixel
+    gpu::Image depth;        // D32, as many samples as the draw pass
     gpu::Image multisampled; // RGBA16F, only with msaa > 1
-    gpu::Image sum;        // RGBA32F, reference only
-    gpu::Image display;    // RGBA8, sRGB encoded
+    gpu::Image sum;          // RGBA32F, reference only
+    gpu::Image display;      // RGBA8, sRGB encoded
 };
 
 struct Frame {
@@ -28,9 +28,9 @@ struct Frame {
     glm::vec3 eye{0.0f};
     vk::DeviceAddress view = 0;
     uint64_t index = 0;
-    std::vector<uint8_t> inView;         // per object: its bounds meet the view
-    std::vector<tsl::ObjectNeed> needs;  // per object, from the need pass
-    tsl::Room room;                      // per object, its lit texture
+    std::vector<uint8_t> inView;        // per object: its bounds meet the view
+    std::vector<tsl::ObjectNeed> needs; // per object, from the need pass
+    tsl::Room room;                     // per object, its lit texture
 };
 
 // One string names a pass for debug labels and timings.

@@ -34,11 +34,13 @@ gpu::Image uploadChain(const gpu::Device& device, const std::vector<Image>& chai
         const size_t count = size_t(image.width) * image.height;
         std::vector<float> rgba(count * 4, 1.0f);
         for (size_t i = 0; i < count; ++i)
-            std::copy_n(image.pixels.data() + i * size_t(image.channels), image.channels, rgba.data() + i * 4);
+            std::copy_n(image.pixels.data() + i * size_t(image.channels), image.channels,
+                        rgba.data() + i * 4);
         packed.emplace_back(rgba.size());
         floatsToHalf(rgba, packed.back().data());
     }
-    return gpu::uploadHalfImage(device, uint32_t(chain.front().width), uint32_t(chain.front().height), packed, name);
+    return gpu::uploadHalfImage(device, uint32_t(chain.front().width), uint32_t(chain.front().height), packed,
+                                name);
 }
 
 shared::Light packLight(const scene::Light& light)
@@ -78,10 +80,12 @@ GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
     uploadLights(device, scene);
     for (const scene::Object& object : scene.objects)
         addObject(device, scene, object);
-    objectTable_ = gpu::Buffer(device, objects_.size() * sizeof(shared::Object), gpu::Buffer::Home::host, "objects");
+    objectTable_ =
+        gpu::Buffer(device, objects_.size() * sizeof(shared::Object), gpu::Buffer::Home::host, "objects");
 }
 
-void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMaterial& baked, const std::string& name)
+void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMaterial& baked,
+                              const std::string& name)
 {
     using enum baker::Channel;
     const auto& mips = baked.reflectance;
@@ -98,8 +102,8 @@ void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMater
     material.opacity = uploadChain(device, baked.opacity, name + " opacity");
     material.set = gpu::makeSet(device, materialLayout_);
     uint32_t binding = 0;
-    for (const gpu::Image* image : {&material.normal, &material.specular, &material.diffuse, &material.glow,
-                                    &material.opacity})
+    for (const gpu::Image* image :
+         {&material.normal, &material.specular, &material.diffuse, &material.glow, &material.opacity})
         gpu::writeSampled(device, *material.set, binding++, *sampler_, image->view());
     materials_.push_back(std::move(material));
 }
@@ -112,8 +116,8 @@ void GpuScene::uploadLights(const gpu::Device& device, const scene::Scene& scene
         lights.push_back(packLight(light));
     lightCount_ = uint32_t(lights.size());
     lights_ = gpu::uploadBuffer(device, lights, "lights");
-    // A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the brightest
-    // directional light's irradiance, a third of that from below.
+    // A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the
+    // brightest directional light's irradiance, a third of that from below.
     float brightest = 0.0f;
     for (const scene::Light& light : source)
         if (light.type == scene::LightType::directional)
@@ -189,8 +193,8 @@ std::vector<uint8_t> GpuScene::objectsInView(const glm::mat4& clipFromWorld) con
     for (size_t i = 0; i < objects_.size(); ++i) {
         const glm::mat4 clipFromObject = clipFromWorld * objects_[i].data.worldFromObject;
         const Bounds& box = objects_[i].bounds;
-        // Out of view when all eight corners lie outside the same plane. Planes: left, right, bottom, top, near
-        // (reversed depth: z <= w); infinity has no far plane.
+        // Out of view when all eight corners lie outside the same plane. Planes: left, right, bottom, top,
+        // near (reversed depth: z <= w); infinity has no far plane.
         std::array<int, 5> outside{};
         for (int corner = 0; corner < 8; ++corner) {
             const glm::vec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,

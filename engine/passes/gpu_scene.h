@@ -29,14 +29,15 @@ struct GpuObject {
     const GpuMaterial* material = nullptr;
     const GpuTexelMap* texelMap = nullptr; // null: not to be lit in texture space
     uint32_t indexCount = 0;
-    Bounds bounds;        // object space
+    Bounds bounds; // object space
     bool blend = false;
     bool mirrored = false; // the transform flips triangle winding
 };
 
 class GpuScene {
 public:
-    GpuScene(const gpu::Device& device, const scene::Scene& scene, const std::vector<scene::BakedMaterial>& materials);
+    GpuScene(const gpu::Device& device, const scene::Scene& scene,
+             const std::vector<scene::BakedMaterial>& materials);
 
     const std::vector<GpuObject>& objects() const { return objects_; }
     const gpu::SetLayout& materialLayout() const { return materialLayout_; }
@@ -45,7 +46,8 @@ public:
     glm::vec3 skyRadiance() const { return sky_; }
     glm::vec3 groundRadiance() const { return ground_; }
 
-    // Writes this frame's object table and returns its address. Frames are waited for, so one table serves all.
+    // Writes this frame's object table and returns its address. Frames are waited for, so one table serves
+    // all.
     vk::DeviceAddress writeObjects(const tsl::Room& room);
 
     // Per object: does its box meet the view volume?
@@ -58,10 +60,12 @@ private:
     struct GpuMesh {
         gpu::Buffer vertices, indices;
     };
-    void uploadMaterial(const gpu::Device& device, const scene::BakedMaterial& baked, const std::string& name);
+    void uploadMaterial(const gpu::Device& device, const scene::BakedMaterial& baked,
+                        const std::string& name);
     void uploadLights(const gpu::Device& device, const scene::Scene& scene);
     void addObject(const gpu::Device& device, const scene::Scene& scene, const scene::Object& object);
-    const GpuTexelMap* texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh, glm::uvec2 grid);
+    const GpuTexelMap* texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
+                                   glm::uvec2 grid);
 
     gpu::SetLayout materialLayout_;
     vk::raii::Sampler sampler_;

@@ -13,7 +13,7 @@ size_t LightPass::listTiles(Frame& frame)
 {
     std::vector<shared::Tile> tiles;
     jobs_.clear();
-    size_t lumels = 0;
+    size_t lit = 0;
     for (uint32_t mip = 0; mip < shared::kMaxLevels; ++mip)
         for (uint32_t i = 0; i < frame.room.objects.size(); ++i) {
             const tsl::ObjectRoom& room = frame.room.objects[i];
@@ -25,13 +25,13 @@ size_t LightPass::listTiles(Frame& frame)
             for (const glm::uvec2 tile : occupied)
                 tiles.push_back({i, tile.x, tile.y});
             if (mip == 0)
-                lumels += occupied.size() * shared::kTileSize * shared::kTileSize;
+                lit += occupied.size();
         }
     const size_t bytes = tiles.size() * sizeof(shared::Tile);
     if (bytes > tiles_.size())
         tiles_ = gpu::Buffer(frame.device, bytes + bytes / 2, gpu::Buffer::Home::host, "tiles");
     std::memcpy(tiles_.mapped<void>(), tiles.data(), bytes);
-    return lumels;
+    return lit;
 }
 
 void LightPass::recordLight(Frame& frame, LitPool& pool)
@@ -44,9 +44,11 @@ void LightPass::recordLight(Frame& frame, LitPool& pool)
             break;
         LitTexture& texture = pool.texture(frame.room.objects[job.object].texture);
         gpu::imageBarrier(commands, texture.image.handle(), texture.image.aspect(),
-                          texture.written ? gpu::Use::fragmentSample : gpu::Use::undefined, gpu::Use::computeReadWrite);
+                          texture.written ? gpu::Use::fragmentSample : gpu::Use::undefined,
+                          gpu::Use::computeReadWrite);
         texture.written = true;
-        const vk::DescriptorSet sets[] = {*frame.scene.objects()[job.object].material->set, *texture.lightSet};
+        const vk::DescriptorSet sets[] = {*frame.scene.objects()[job.object].material->set,
+                                          *texture.lightSet};
         commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *light_.layout, 0, sets, nullptr);
         pushConstants(commands, light_,
                       shared::LightPush{.view = frame.view,
@@ -80,8 +82,8 @@ void LightPass::recordLower(Frame& frame, LitPool& pool)
     for (const Job& job : jobs_)
         if (job.mip == 0) {
             const LitTexture& texture = pool.texture(frame.room.objects[job.object].texture);
-            gpu::imageBarrier(commands, texture.image.handle(), texture.image.aspect(), gpu::Use::computeReadWrite,
-                              gpu::Use::fragmentSample);
+            gpu::imageBarrier(commands, texture.image.handle(), texture.image.aspect(),
+                              gpu::Use::computeReadWrite, gpu::Use::fragmentSample);
         }
 }
 

@@ -8,7 +8,7 @@ namespace lumel {
 class LightPass {
 public:
     LightPass(const gpu::Device& device, const GpuScene& scene, const LitPool& pool);
-    // Lists the tiles of frame.room; returns the lumels of all listed level-0 tiles.
+    // Lists the tiles of frame.room; returns how many are to be lit, the coarser MIPs' not counted.
     size_t listTiles(Frame& frame);
     void recordLight(Frame& frame, LitPool& pool);
     void recordLower(Frame& frame, LitPool& pool);

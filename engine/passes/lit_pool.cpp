@@ -4,15 +4,18 @@
 namespace lumel {
 
 LitPool::LitPool(const gpu::Device& device, size_t capBytes)
-    : device_(device), pool_(capBytes), lightLayout_(gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage})),
-      lowerLayout_(gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
+    : device_(device), pool_(capBytes),
+      lightLayout_(gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage})),
+      lowerLayout_(
+          gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
       drawLayout_(gpu::makeSetLayout(device, {vk::DescriptorType::eCombinedImageSampler})),
-      sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
-                                 .minFilter = vk::Filter::eLinear,
-                                 .mipmapMode = vk::SamplerMipmapMode::eNearest, // levels are blended in the shader
-                                 .addressModeU = vk::SamplerAddressMode::eClampToEdge,
-                                 .addressModeV = vk::SamplerAddressMode::eClampToEdge,
-                                 .maxLod = VK_LOD_CLAMP_NONE})
+      sampler_(device.handle(),
+               {.magFilter = vk::Filter::eLinear,
+                .minFilter = vk::Filter::eLinear,
+                .mipmapMode = vk::SamplerMipmapMode::eNearest, // levels are blended in the shader
+                .addressModeU = vk::SamplerAddressMode::eClampToEdge,
+                .addressModeV = vk::SamplerAddressMode::eClampToEdge,
+                .maxLod = VK_LOD_CLAMP_NONE})
 {
 }
 

@@ -6,10 +6,10 @@ namespace lumel {
 
 struct LitTexture {
     gpu::Image image;
-    vk::raii::DescriptorSet lightSet = nullptr;            // MIP 0 as storage image
-    std::vector<vk::raii::DescriptorSet> lowerSets;        // [i]: MIP i read, MIP i + 1 written
-    vk::raii::DescriptorSet drawSet = nullptr;             // all MIPs sampled
-    bool written = false;                                  // has left the undefined layout
+    vk::raii::DescriptorSet lightSet = nullptr;     // MIP 0 as storage image
+    std::vector<vk::raii::DescriptorSet> lowerSets; // [i]: MIP i read, MIP i + 1 written
+    vk::raii::DescriptorSet drawSet = nullptr;      // all MIPs sampled
+    bool written = false;                           // has left the undefined layout
 };
 
 class LitPool {

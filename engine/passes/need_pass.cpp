@@ -3,14 +3,15 @@
 namespace lumel {
 namespace {
 
-gpu::Image makeTarget(const gpu::Device& device, glm::uvec2 size, vk::Format format, vk::ImageUsageFlags usage)
+gpu::Image makeTarget(const gpu::Device& device, glm::uvec2 size, vk::Format format,
+                      vk::ImageUsageFlags usage)
 {
     const glm::uvec2 quarter = (size + NeedPass::kDivisor - 1u) / NeedPass::kDivisor;
     return {device, {.format = format, .width = quarter.x, .height = quarter.y, .usage = usage}, "need"};
 }
 
-// Offset of sample centres in full-size pixels from the quarter pixel's centre: the 16 pixels of a 4 x 4 block
-// in an order that spreads (bit-reversed Morton).
+// Offset of sample centres in full-size pixels from the quarter pixel's centre: the 16 pixels of a 4 x 4
+// block in an order that spreads (bit-reversed Morton).
 glm::vec2 jitterInPixels(uint64_t frame)
 {
     constexpr int kOrder[16] = {0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
@@ -23,8 +24,10 @@ glm::vec2 jitterInPixels(uint64_t frame)
 NeedPass::NeedPass(const gpu::Device& device, glm::uvec2 size, size_t objectCount)
     : seen_(makeTarget(device, size, vk::Format::eR32G32Uint,
                        vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eStorage)),
-      depth_(makeTarget(device, size, vk::Format::eD32Sfloat, vk::ImageUsageFlagBits::eDepthStencilAttachment)),
-      layout_(gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage})), set_(gpu::makeSet(device, layout_)),
+      depth_(
+          makeTarget(device, size, vk::Format::eD32Sfloat, vk::ImageUsageFlagBits::eDepthStencilAttachment)),
+      layout_(gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage})),
+      set_(gpu::makeSet(device, layout_)),
       raster_(gpu::makeGraphicsPipeline(device, {.vertex = "need.vert",
                                                  .fragment = "need.frag",
                                                  .pushBytes = sizeof(shared::NeedPush),
@@ -97,6 +100,7 @@ void NeedPass::read(Frame& frame) const
         frame.needs[i] = {.visible = needs[i].level != shared::kNotSeen,
                           .lightable = objects[i].texelMap != nullptr,
                           .level = float(needs[i].level) / float(shared::kNeedScale),
+                          .samples = needs[i].samples,
                           .litSize = objects[i].data.litSize};
 }
 

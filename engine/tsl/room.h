@@ -10,6 +10,7 @@ struct ObjectNeed {
     bool visible = false;
     bool lightable = true;   // unique UVs, opaque
     float level = 0.0f;      // finest level that any sample needs
+    uint32_t samples = 0;    // of the need pass that saw it
     glm::uvec2 litSize{0};   // lumels of level 0
 };
 

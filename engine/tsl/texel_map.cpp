@@ -2,6 +2,8 @@
 #include "core/error.h"
 #include <bit>
 #include <fmt/format.h>
+#include <functional>
+#include <tbb/parallel_for.h>
 
 namespace lumel::tsl {
 namespace {
@@ -9,9 +11,12 @@ namespace {
 using shared::kTexelCoverageShift;
 using shared::kTexelTriangleMask;
 
-// Writes `value` to every lumel of the grid whose centre lies in the triangle. Edge functions in double: lumel
-// coordinates reach 8192 and products of differences need more than float's 24 bits.
-void rasterise(const std::array<glm::dvec2, 3>& corners, uint32_t value, glm::uvec2 size, uint32_t* texels)
+constexpr uint32_t kBandRows = 64; // rows that one task works on
+
+// Writes `value` to every lumel of rows [row0, row1) whose centre lies in the triangle. Edge functions in
+// double: lumel coordinates reach 8192 and products of differences need more than float's 24 bits.
+void rasterise(const std::array<glm::dvec2, 3>& corners, uint32_t value, glm::uvec2 size, uint32_t row0,
+               uint32_t row1, uint32_t* texels)
 {
     auto [a, b, c] = corners;
     const auto edge = [](glm::dvec2 p, glm::dvec2 q, glm::dvec2 r) {
@@ -22,8 +27,8 @@ void rasterise(const std::array<glm::dvec2, 3>& corners, uint32_t value, glm::uv
         return;
     if (area < 0.0)
         std::swap(b, c);
-    const auto lower = glm::max(glm::floor(glm::min(glm::min(a, b), c) - 0.5), glm::dvec2(0.0));
-    const auto upper = glm::min(glm::ceil(glm::max(glm::max(a, b), c)), glm::dvec2(size) - 1.0);
+    const auto lower = glm::max(glm::floor(glm::min(glm::min(a, b), c) - 0.5), glm::dvec2(0.0, row0));
+    const auto upper = glm::min(glm::ceil(glm::max(glm::max(a, b), c)), glm::dvec2(size.x, row1) - 1.0);
     for (int y = int(lower.y); y <= int(upper.y); ++y)
         for (int x = int(lower.x); x <= int(upper.x); ++x) {
             const glm::dvec2 p(x + 0.5, y + 0.5);
@@ -32,39 +37,53 @@ void rasterise(const std::array<glm::dvec2, 3>& corners, uint32_t value, glm::uv
         }
 }
 
+void forBands(uint32_t rows, const std::function<void(uint32_t, uint32_t)>& work)
+{
+    tbb::parallel_for(uint32_t(0), (rows + kBandRows - 1) / kBandRows,
+                      [&](uint32_t band) { work(band * kBandRows, std::min((band + 1) * kBandRows, rows)); });
+}
+
 void rasteriseLevel(const scene::Mesh& mesh, glm::uvec2 size, uint32_t* texels)
 {
     const glm::dvec2 scale(size);
-    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        std::array<glm::dvec2, 3> corners;
-        for (size_t k = 0; k < 3; ++k)
-            corners[k] = glm::dvec2(mesh.vertices[mesh.indices[i + k]].uv) * scale;
-        rasterise(corners, uint32_t(i / 3 + 1), size, texels);
-    }
+    // Each band goes through all triangles in order: the result does not depend on the number of threads.
+    forBands(size.y, [&](uint32_t row0, uint32_t row1) {
+        for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+            std::array<glm::dvec2, 3> corners;
+            for (size_t k = 0; k < 3; ++k)
+                corners[k] = glm::dvec2(mesh.vertices[mesh.indices[i + k]].uv) * scale;
+            const double top = std::min({corners[0].y, corners[1].y, corners[2].y});
+            const double bottom = std::max({corners[0].y, corners[1].y, corners[2].y});
+            if (bottom >= row0 && top <= row1)
+                rasterise(corners, uint32_t(i / 3 + 1), size, row0, row1, texels);
+        }
+    });
 }
 
-// Coverage of a coarser level is the mean of its children's; a lumel whose own centre misses every chart takes
-// the triangle of its most covered child.
+// Coverage of a coarser level is the mean of its children's; a lumel whose own centre misses every chart
+// takes the triangle of its most covered child.
 void coverFromChildren(const uint32_t* fine, glm::uvec2 fineSize, uint32_t* coarse, glm::uvec2 size)
 {
     const glm::uvec2 ratio = fineSize / size;
-    for (uint32_t y = 0; y < size.y; ++y)
-        for (uint32_t x = 0; x < size.x; ++x) {
-            uint32_t sum = 0, best = 0;
-            for (uint32_t j = 0; j < ratio.y; ++j)
-                for (uint32_t i = 0; i < ratio.x; ++i) {
-                    const uint32_t child = fine[size_t(y * ratio.y + j) * fineSize.x + x * ratio.x + i];
-                    const uint32_t coverage = child >> kTexelCoverageShift;
-                    sum += coverage;
-                    if (coverage > best >> kTexelCoverageShift)
-                        best = child;
-                }
-            const uint32_t count = ratio.x * ratio.y;
-            const uint32_t coverage = (sum + count - 1) / count; // rounded up: covered stays covered
-            uint32_t& texel = coarse[size_t(y) * size.x + x];
-            const uint32_t triangle = (texel & kTexelTriangleMask) && coverage ? texel : best;
-            texel = coverage ? (triangle & kTexelTriangleMask) | coverage << kTexelCoverageShift : 0u;
-        }
+    forBands(size.y, [&](uint32_t row0, uint32_t row1) {
+        for (uint32_t y = row0; y < row1; ++y)
+            for (uint32_t x = 0; x < size.x; ++x) {
+                uint32_t sum = 0, best = 0;
+                for (uint32_t j = 0; j < ratio.y; ++j)
+                    for (uint32_t i = 0; i < ratio.x; ++i) {
+                        const uint32_t child = fine[size_t(y * ratio.y + j) * fineSize.x + x * ratio.x + i];
+                        const uint32_t coverage = child >> kTexelCoverageShift;
+                        sum += coverage;
+                        if (coverage > best >> kTexelCoverageShift)
+                            best = child;
+                    }
+                const uint32_t count = ratio.x * ratio.y;
+                const uint32_t coverage = (sum + count - 1) / count; // rounded up: covered stays covered
+                uint32_t& texel = coarse[size_t(y) * size.x + x];
+                const uint32_t triangle = (texel & kTexelTriangleMask) && coverage ? texel : best;
+                texel = coverage ? (triangle & kTexelTriangleMask) | coverage << kTexelCoverageShift : 0u;
+            }
+    });
 }
 
 // One ring of gutter: empty lumels take the triangle of a neighbour, straight ones first.
@@ -72,20 +91,22 @@ void dilate(uint32_t* texels, glm::uvec2 size, std::vector<uint32_t>& scratch)
 {
     scratch.assign(texels, texels + size_t(size.x) * size.y);
     constexpr int kNeighbours[8][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
-    for (int y = 0; y < int(size.y); ++y)
-        for (int x = 0; x < int(size.x); ++x) {
-            if (scratch[size_t(y) * size.x + x])
-                continue;
-            for (const auto& [dx, dy] : kNeighbours) {
-                const int nx = x + dx, ny = y + dy;
-                if (nx < 0 || ny < 0 || nx >= int(size.x) || ny >= int(size.y))
+    forBands(size.y, [&](uint32_t row0, uint32_t row1) {
+        for (int y = int(row0); y < int(row1); ++y)
+            for (int x = 0; x < int(size.x); ++x) {
+                if (scratch[size_t(y) * size.x + x])
                     continue;
-                if (const uint32_t found = scratch[size_t(ny) * size.x + nx] & kTexelTriangleMask) {
-                    texels[size_t(y) * size.x + x] = found;
-                    break;
+                for (const auto& [dx, dy] : kNeighbours) {
+                    const int nx = x + dx, ny = y + dy;
+                    if (nx < 0 || ny < 0 || nx >= int(size.x) || ny >= int(size.y))
+                        continue;
+                    if (const uint32_t found = scratch[size_t(ny) * size.x + nx] & kTexelTriangleMask) {
+                        texels[size_t(y) * size.x + x] = found;
+                        break;
+                    }
                 }
             }
-        }
+    });
 }
 
 } // namespace
@@ -93,7 +114,8 @@ void dilate(uint32_t* texels, glm::uvec2 size, std::vector<uint32_t>& scratch)
 TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size)
 {
     if (mesh.indices.size() / 3 >= kTexelTriangleMask)
-        throw Error(fmt::format("mesh {}: more than {} triangles; split it", mesh.name, kTexelTriangleMask - 1));
+        throw Error(
+            fmt::format("mesh {}: more than {} triangles; split it", mesh.name, kTexelTriangleMask - 1));
     TexelMap map;
     map.size = size;
     map.levels = uint32_t(std::bit_width(std::max(size.x, size.y)));
@@ -144,7 +166,7 @@ std::vector<glm::uvec2> occupiedTiles(const TexelMap& map, uint32_t level)
 glm::uvec2 lumelGrid(int materialWidth, int materialHeight)
 {
     const auto grid = [](int texels) {
-        return std::clamp(std::bit_ceil(uint32_t(std::max(texels, 1))), kMinGrid, kMaxGrid);
+        return std::clamp(2u * std::bit_ceil(uint32_t(std::max(texels, 1))), kMinGrid, kMaxGrid);
     };
     return {grid(materialWidth), grid(materialHeight)};
 }

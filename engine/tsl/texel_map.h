@@ -32,8 +32,10 @@ TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size);
 // The 8x8 tiles of a level that hold at least one lumel with a triangle, row by row: (x, y) in tiles.
 std::vector<glm::uvec2> occupiedTiles(const TexelMap& map, uint32_t level);
 
-// Level-0 lumel grid of an object whose material is width x height texels: the next power of two, at least
-// kMinGrid so that light still varies over a plain colour, at most kMaxGrid.
+// Level-0 lumel grid of an object whose material is width x height texels: twice the next power of two, because
+// light reflected by interpolated normals varies faster than the normals do (measured on the record's grooves,
+// near: 34.5 dB against the reference, 24.5 dB with lumels as large as texels). Only views that need that level
+// light it. At least kMinGrid, so that light still varies over a plain colour; at most kMaxGrid.
 inline constexpr uint32_t kMinGrid = 1024, kMaxGrid = 8192;
 glm::uvec2 lumelGrid(int materialWidth, int materialHeight);
 

@@ -56,7 +56,8 @@ bool TexturePool::makeRoom(size_t bytes, uint64_t frame)
 int TexturePool::addTexture(glm::uvec2 size)
 {
     usedBytes_ += poolTextureBytes(size);
-    const auto dead = std::find_if(textures_.begin(), textures_.end(), [](const auto& t) { return !t.alive; });
+    const auto dead =
+        std::find_if(textures_.begin(), textures_.end(), [](const auto& t) { return !t.alive; });
     const int index = int(dead - textures_.begin());
     if (dead == textures_.end()) {
         textures_.emplace_back();

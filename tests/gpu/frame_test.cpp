@@ -123,7 +123,8 @@ TEST_F(FrameTest, EverySurfacePixelIsLit)
     baker::Maps maps = plainMaps(glm::vec3(0.9f));
     maps.specularConstant = glm::vec3(0.0f);
     TestScene s = sphereScene(maps);
-    s.scene.lights = {sun({0, 0, -1}), sun({0, 0, 1}), sun({1, 0, 0}), sun({-1, 0, 0}), sun({0, -1, 0}), sun({0, 1, 0})};
+    s.scene.lights = {sun({0, 0, -1}), sun({0, 0, 1}),  sun({1, 0, 0}),
+                      sun({-1, 0, 0}), sun({0, -1, 0}), sun({0, 1, 0})};
     for (const float distance : {1.5f, 3.0f, 10.0f, 60.0f}) {
         const Picture tsl = shoot(s, cameraAt({0.0f, 0.3f * distance, distance}), settingsFor(Shading::tsl));
         Settings mask = settingsFor(Shading::forward);
@@ -135,9 +136,10 @@ TEST_F(FrameTest, EverySurfacePixelIsLit)
 
 TEST_F(FrameTest, AFacingQuadGetsTheAnalyticLevel)
 {
-    // 1024 lumels across two metres; at distance d the picture's 256 pixels span 2 d tan(fov / 2) metres.
+    // 1024 lumels (512 texels) across two metres; at distance d the picture's 256 pixels span 2 d tan(fov /
+    // 2) metres.
     TestScene s;
-    s.add(planeMesh(), bumpyMaps(1024, 1.0f, 100.0f));
+    s.add(planeMesh(), bumpyMaps(512, 1.0f, 100.0f));
     s.scene.lights = {sun({0, 0, -1})};
     for (int i = 0; i < 20; ++i) {
         const float distance = 2.0f * std::pow(1.25f, float(i));
@@ -155,11 +157,12 @@ TEST_F(FrameTest, HiddenAndOffScreenObjectsAreNotLit)
 {
     TestScene s;
     s.add(planeMesh(), plainMaps());
-    s.add(planeMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(0, 0, -1)));   // hidden
-    s.add(planeMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(100, 0, 0)));  // off screen
+    s.add(planeMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(0, 0, -1)));  // hidden
+    s.add(planeMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(100, 0, 0))); // off screen
     s.add(planeMesh(), plainMaps(),
           glm::rotate(glm::mat4(1.0f), shared::kPi, glm::vec3(0, 1, 0)) *
-              glm::translate(glm::mat4(1.0f), glm::vec3(0, 0, -0.5f)) * glm::scale(glm::mat4(1.0f), glm::vec3(0.2f)));
+              glm::translate(glm::mat4(1.0f), glm::vec3(0, 0, -0.5f)) *
+              glm::scale(glm::mat4(1.0f), glm::vec3(0.2f)));
     s.scene.lights = {sun({0, 0, -1})};
     const Picture picture = shoot(s, cameraAt({0.0f, 0.0f, 5.0f}), settingsFor(Shading::tsl));
     EXPECT_EQ(picture.stats.objectsTsl, 1u);
@@ -171,7 +174,8 @@ TEST_F(FrameTest, ASmallPoolLowersQualityAndNothingElse)
     TestScene s;
     for (int i = 0; i < 60; ++i)
         s.add(planeMesh(), plainMaps(glm::vec3(0.8f)),
-              glm::translate(glm::mat4(1.0f), glm::vec3(2.2f * float(i % 10) - 10.0f, 2.2f * float(i / 10) - 5.5f, 0)));
+              glm::translate(glm::mat4(1.0f),
+                             glm::vec3(2.2f * float(i % 10) - 10.0f, 2.2f * float(i / 10) - 5.5f, 0)));
     s.scene.lights = {sun({0, 0, -1})};
     Settings settings = settingsFor(Shading::tsl, {320, 180});
     const scene::Camera camera = cameraAt({0.0f, 0.0f, 18.0f});
@@ -205,7 +209,8 @@ TEST_F(FrameTest, ManyFramesReuseTheSameTextures)
     size_t textures = 0;
     for (int i = 0; i < 20; ++i) {
         const float angle = 0.1f * float(i);
-        const FrameStats stats = renderer.render(cameraAt({4.0f * std::sin(angle), 0.0f, 4.0f * std::cos(angle)}));
+        const FrameStats stats =
+            renderer.render(cameraAt({4.0f * std::sin(angle), 0.0f, 4.0f * std::cos(angle)}));
         EXPECT_LE(stats.poolUsedBytes, stats.poolCapBytes);
         textures = std::max(textures, stats.poolTextures);
     }

@@ -8,7 +8,13 @@ using namespace lumel;
 
 namespace {
 
-enum SpirvOp : uint32_t { OpName = 5, OpMemberName = 6, OpTypeRuntimeArray = 29, OpDecorate = 71, OpMemberDecorate = 72 };
+enum SpirvOp : uint32_t {
+    OpName = 5,
+    OpMemberName = 6,
+    OpTypeRuntimeArray = 29,
+    OpDecorate = 71,
+    OpMemberDecorate = 72
+};
 enum SpirvDecoration : uint32_t { ArrayStride = 6, Offset = 35 };
 
 struct SpirvLayout {
@@ -16,8 +22,8 @@ struct SpirvLayout {
     std::map<std::string, uint32_t> strides;                        // struct, as element of a runtime array
 };
 
-// SPIR-V specification, section 3: words of (length << 16 | opcode) after a five-word header. A struct may appear
-// several times (once per storage use); only laid-out copies carry offsets.
+// SPIR-V specification, section 3: words of (length << 16 | opcode) after a five-word header. A struct may
+// appear several times (once per storage use); only laid-out copies carry offsets.
 void readLayout(std::span<const uint32_t> code, SpirvLayout& layout)
 {
     std::map<uint32_t, std::string> names;
@@ -26,10 +32,16 @@ void readLayout(std::span<const uint32_t> code, SpirvLayout& layout)
     std::map<uint32_t, uint32_t> strides, elements;
     for (size_t at = 5; at < code.size(); at += code[at] >> 16) {
         const uint32_t* word = code.data() + at;
-        const auto text = [&](size_t from) { return std::string(reinterpret_cast<const char*>(word + from)); };
+        const auto text = [&](size_t from) {
+            return std::string(reinterpret_cast<const char*>(word + from));
+        };
         switch (word[0] & 0xffffu) {
-        case OpName: names[word[1]] = text(2); break;
-        case OpMemberName: memberNames[word[1]][word[2]] = text(3); break;
+        case OpName:
+            names[word[1]] = text(2);
+            break;
+        case OpMemberName:
+            memberNames[word[1]][word[2]] = text(3);
+            break;
         case OpMemberDecorate:
             if (word[3] == Offset)
                 memberOffsets[word[1]][word[2]] = word[4];
@@ -38,8 +50,11 @@ void readLayout(std::span<const uint32_t> code, SpirvLayout& layout)
             if (word[2] == ArrayStride)
                 strides[word[1]] = word[3];
             break;
-        case OpTypeRuntimeArray: elements[word[1]] = word[2]; break;
-        default: break;
+        case OpTypeRuntimeArray:
+            elements[word[1]] = word[2];
+            break;
+        default:
+            break;
         }
     }
     for (const auto& [id, members] : memberOffsets)
@@ -63,11 +78,11 @@ const SpirvLayout& spirvLayout()
 
 } // namespace
 
-#define EXPECT_OFFSET(type, member)                                                                                    \
-    do {                                                                                                               \
-        const auto& members = spirvLayout().offsets.at(#type);                                                         \
-        ASSERT_TRUE(members.contains(#member)) << #type "." #member;                                                   \
-        EXPECT_EQ(members.at(#member), offsetof(shared::type, member)) << #type "." #member;                           \
+#define EXPECT_OFFSET(type, member)                                                                          \
+    do {                                                                                                     \
+        const auto& members = spirvLayout().offsets.at(#type);                                               \
+        ASSERT_TRUE(members.contains(#member)) << #type "." #member;                                         \
+        EXPECT_EQ(members.at(#member), offsetof(shared::type, member)) << #type "." #member;                 \
     } while (false)
 
 TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)

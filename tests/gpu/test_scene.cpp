@@ -23,7 +23,8 @@ scene::Mesh gridMesh(int rows, int columns, const std::function<shared::Vertex(g
         }
     for (int y = 0; y < rows; ++y)
         for (int x = 0; x < columns; ++x) {
-            const auto a = uint32_t(y * (columns + 1) + x), b = a + 1, c = a + uint32_t(columns) + 1, d = c + 1;
+            const auto a = uint32_t(y * (columns + 1) + x), b = a + 1, c = a + uint32_t(columns) + 1,
+                       d = c + 1;
             for (const uint32_t i : {a, c, d, a, d, b})
                 mesh.indices.push_back(i);
         }

@@ -31,7 +31,8 @@ TEST(Room, OnlyVisibleLightableObjectsGetTextures)
 TEST(Room, WhenTheCapBindsEverythingGetsCoarserTogetherAndNothingFails)
 {
     TexturePool pool(size_t(4) << 20);
-    const std::vector<ObjectNeed> needs(500, {.visible = true, .lightable = true, .level = 0.2f, .litSize = {512, 512}});
+    const std::vector<ObjectNeed> needs(
+        500, {.visible = true, .lightable = true, .level = 0.2f, .litSize = {512, 512}});
     const Room room = assignRoom(pool, needs, 1);
     EXPECT_GT(room.levelBias, 0u);
     for (const ObjectRoom& object : room.objects) {
@@ -44,7 +45,8 @@ TEST(Room, WhenTheCapBindsEverythingGetsCoarserTogetherAndNothingFails)
 TEST(Room, QualityReturnsWhenTheLoadFalls)
 {
     TexturePool pool(size_t(4) << 20);
-    std::vector<ObjectNeed> needs(500, {.visible = true, .lightable = true, .level = 0.0f, .litSize = {512, 512}});
+    std::vector<ObjectNeed> needs(500,
+                                  {.visible = true, .lightable = true, .level = 0.0f, .litSize = {512, 512}});
     EXPECT_GT(assignRoom(pool, needs, 1).levelBias, 0u);
     needs.resize(1);
     const Room room = assignRoom(pool, needs, 2);

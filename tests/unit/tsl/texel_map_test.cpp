@@ -1,5 +1,5 @@
-#include "tsl/texel_map.h"
 #include "core/error.h"
+#include "tsl/texel_map.h"
 #include <gtest/gtest.h>
 
 using namespace lumel;
@@ -12,7 +12,8 @@ void addChart(scene::Mesh& mesh, float x0, float y0, float x1, float y1)
 {
     const auto base = uint32_t(mesh.vertices.size());
     for (const glm::vec2 uv : {glm::vec2(x0, y0), {x1, y0}, {x1, y1}, {x0, y1}})
-        mesh.vertices.push_back({.position = {uv.x, -uv.y, 0.0f}, .normal = {0, 0, 1}, .tangent = {1, 0, 0, 1}, .uv = uv});
+        mesh.vertices.push_back(
+            {.position = {uv.x, -uv.y, 0.0f}, .normal = {0, 0, 1}, .tangent = {1, 0, 0, 1}, .uv = uv});
     for (const uint32_t i : {0u, 3u, 2u, 0u, 2u, 1u})
         mesh.indices.push_back(base + i);
 }
@@ -110,10 +111,10 @@ TEST(TexelMap, DegenerateTrianglesCoverNothing)
         EXPECT_EQ(texel, 0u);
 }
 
-TEST(LumelGrid, IsAPowerOfTwoThatKeepsTheMaterialsDetail)
+TEST(LumelGrid, IsAPowerOfTwoAndTwiceAsFineAsTheMaterial)
 {
     EXPECT_EQ(lumelGrid(1, 1), glm::uvec2(kMinGrid));
-    EXPECT_EQ(lumelGrid(1000, 600), glm::uvec2(1024, 1024));
-    EXPECT_EQ(lumelGrid(2048, 1024), glm::uvec2(2048, 1024));
+    EXPECT_EQ(lumelGrid(1000, 600), glm::uvec2(2048, 2048));
+    EXPECT_EQ(lumelGrid(2048, 1024), glm::uvec2(4096, 2048));
     EXPECT_EQ(lumelGrid(16384, 16384), glm::uvec2(kMaxGrid));
 }
