@@ -35,6 +35,11 @@ void quantise(float* texel)
 {
     for (int c = 0; c < kChannels; ++c)
         texel[c] = roundToHalf(std::clamp(texel[c], -kMaxHalf, kMaxHalf));
+    // A normal near the horizon may round to outside the disc.
+    while (texel[kNx] * texel[kNx] + texel[kNy] * texel[kNy] >= 1.0f) {
+        texel[kNx] = roundToHalf(texel[kNx] * (1.0f - 1.0f / 1024.0f));
+        texel[kNy] = roundToHalf(texel[kNy] * (1.0f - 1.0f / 1024.0f));
+    }
     const float product = texel[kSxx] * texel[kSyy];
     while (product - texel[kSxy] * texel[kSxy] < 2e-4f * product) {
         const float step = std::max(std::abs(texel[kSxy]) / 2048.0f, 6e-8f);

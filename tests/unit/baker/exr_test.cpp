@@ -97,6 +97,19 @@ TEST(BakedExr, WriteFailuresLeaveNothingBehind)
     EXPECT_TRUE(fs::is_empty(folder.path));
 }
 
+TEST(BakedExr, NormalsAtTheHorizonStayInsideTheDisc)
+{
+    Folder folder;
+    ReflectanceMips mips = sample(16, 16);
+    for (int i = 0; i < 256; ++i) {
+        float* texel = mips.levels[0].texels.data() + size_t(i) * kChannels;
+        texel[kNx] = 0.99999f * std::cos(0.0246f * float(i)); // rounded to half, some pass 1
+        texel[kNy] = 0.99999f * std::sin(0.0246f * float(i));
+    }
+    writeExr(folder.path / "a.exr", mips);
+    EXPECT_NO_THROW(readExr(folder.path / "a.exr"));
+}
+
 TEST(BakedExr, ValuesBeyondHalfFloatStayLobes)
 {
     Folder folder;
