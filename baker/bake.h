@@ -16,6 +16,8 @@ inline constexpr const char* kVersion = "2"; // part of the cache key: raise whe
 enum class Method { fit, average, flat, height, toksvig, lean };
 enum class Model { blinnPhong, ashikhminShirley };
 enum class Wrap { repeat, clamp };
+// What a texel stands for: the box it covers, or all that bilinear lookups blend it into.
+enum class Reconstruction { box, bilinear };
 
 // One texel of a baked level; the order of the file's channels.
 enum Channel { kNx, kNy, kSxx, kSxy, kSyy, kKsR, kKsG, kKsB, kKdR, kKdG, kKdB, kError, kChannels };
@@ -50,6 +52,7 @@ struct Options {
     // Drops the finest levels: for height maps of micro-geometry (brush strokes, scratches) that is never
     // seen as such. An 8192 x 8192 map reduced by 3 becomes a 1024 x 1024 chain whose level 0 is fitted.
     int reduce = 0;
+    Reconstruction reconstruction = Reconstruction::box;
 };
 
 struct Level {

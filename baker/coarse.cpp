@@ -1,6 +1,7 @@
 #include "coarse.h"
 #include "fine.h"
 #include "footprint.h"
+#include "normals.h"
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -25,8 +26,8 @@ CoarseCells::CoarseCells(Chain& chain, int firstLevel) : chain_(chain), firstLev
     const int levels = int(chain.levels_.size());
     channels_ = chain.source_.colouredSpecular() ? 3 : 1;
     const auto plan = [&] {
-        cutsX_ = borders(chain.source_.width(), firstLevel_, levels);
-        cutsY_ = borders(chain.source_.height(), firstLevel_, levels);
+        cutsX_ = borders(chain.source_.width(), cellLevel(firstLevel_), levels);
+        cutsY_ = borders(chain.source_.height(), cellLevel(firstLevel_), levels);
         return (cutsX_.size() - 1) * (cutsY_.size() - 1);
     };
     while (plan() > kMostCells && firstLevel_ < levels - 1)
@@ -40,7 +41,7 @@ CoarseCells::CoarseCells(Chain& chain, int firstLevel) : chain_(chain), firstLev
         return cells_.size() * lattice_.nodes().size() * size_t(channels_) * sizeof(float);
     };
     while (bytes() > kMostBytes && firstLevel_ < levels - 1)
-        coarsen(++firstLevel_);
+        coarsen(cellLevel(++firstLevel_));
 }
 
 std::vector<double> CoarseCells::borders(int size, int firstLevel, int levels)
@@ -154,34 +155,55 @@ void CoarseCells::coarsen(int level)
     down_ = newDown;
 }
 
-void CoarseCells::Cell::merge(const Cell& other)
+void CoarseCells::Cell::merge(const Cell& other, double factor)
 {
     const Shape &a = shape, &b = other.shape;
     const bool same = a.nx == b.nx && a.ny == b.ny && a.sxx == b.sxx && a.sxy == b.sxy && a.syy == b.syy;
     uniform = other.uniform && (sum.weight == 0.0 || (uniform && same));
     shape = other.shape;
-    sum.add(other.sum);
+    sum.add(other.sum, factor);
     lower = glm::min(lower, other.lower);
     upper = glm::max(upper, other.upper);
+}
+
+// The cells of one axis under texel t of a level, with their shares of it.
+std::vector<TentShare> CoarseCells::shares(int t, int levelTexels, int size,
+                                           const std::vector<double>& cuts) const
+{
+    std::vector<TentShare> result;
+    const int count = int(cuts.size()) - 1;
+    if (chain_.options_.reconstruction == Reconstruction::bilinear) {
+        tentShares(
+            t, levelTexels, size, chain_.maps_.wrap, count, [&](int i) { return cuts[size_t(i)]; },
+            [&](double at) {
+                return int(std::upper_bound(cuts.begin(), cuts.end(), at + 1e-6) - cuts.begin()) - 1;
+            },
+            result);
+        for (TentShare& share : result)
+            share.cell = wrapped(share.cell, count, Wrap::repeat);
+        return result;
+    }
+    const Footprint f(t, levelTexels, size);
+    for (int i = borderIndex(cuts, f.begin); i < borderIndex(cuts, f.end); ++i)
+        result.push_back({i, float((cuts[size_t(i) + 1] - cuts[size_t(i)]) / (f.end - f.begin))});
+    return result;
 }
 
 // Sums the cells under a texel and keeps the nodes where its average reflectance is not negligible.
 void CoarseCells::addTexel(int number, int x, int y, Solver& solver) const
 {
     const Level& level = chain_.levels_[size_t(number)];
-    const Footprint fx(x, level.width, chain_.source_.width()), fy(y, level.height, chain_.source_.height());
-    const int x0 = borderIndex(cutsX_, fx.begin), x1 = borderIndex(cutsX_, fx.end);
-    const int y0 = borderIndex(cutsY_, fy.begin), y1 = borderIndex(cutsY_, fy.end);
     const NodeSet& shared = lattice_.nodes();
     const size_t count = shared.size(), stride = count * size_t(channels_);
     Cell cell;
     std::vector<float> total(stride, 0.0f);
-    for (int j = y0; j < y1; ++j)
-        for (int i = x0; i < x1; ++i) {
-            const size_t c = size_t(j) * size_t(across_) + size_t(i);
-            cell.merge(cells_[c]);
+    for (const TentShare& sy : shares(y, level.height, chain_.source_.height(), cutsY_))
+        for (const TentShare& sx : shares(x, level.width, chain_.source_.width(), cutsX_)) {
+            const size_t c = size_t(sy.cell) * size_t(across_) + size_t(sx.cell);
+            const double factor = double(sx.share) * sy.share / cells_[c].sum.weight;
+            cell.merge(cells_[c], factor);
             for (size_t k = 0; k < stride; ++k)
-                total[k] += g_[c * stride + k];
+                total[k] += float(factor) * g_[c * stride + k];
         }
     TexelTask task = chain_.makeTask(number, x, y, cell.sum.mean());
     if (task.childCount == 0)
@@ -202,7 +224,7 @@ void CoarseCells::addTexel(int number, int x, int y, Solver& solver) const
             continue;
         nodes.add(shared.x[k], shared.y[k], shared.z[k], shared.area[k]);
         for (int c = 0; c < channels_; ++c)
-            g[c].push_back(float(total[size_t(c) * count + k] / cell.sum.weight));
+            g[c].push_back(total[size_t(c) * count + k]);
     }
     nodes.pad();
     for (auto& channel : g)
@@ -213,7 +235,7 @@ void CoarseCells::addTexel(int number, int x, int y, Solver& solver) const
 
 void CoarseCells::solveLevel(int number)
 {
-    coarsen(number);
+    coarsen(cellLevel(number));
     const Level& level = chain_.levels_[size_t(number)];
     const int total = level.width * level.height;
     constexpr int kBatch = 64;

@@ -3,6 +3,7 @@
 #include "averager.h"
 #include "chain.h"
 #include "solver.h"
+#include "tent.h"
 
 namespace lumel::baker {
 
@@ -22,7 +23,7 @@ private:
         glm::vec2 lower{1e30f}, upper{-1e30f}; // Lambert coordinates of its normals
         bool uniform = true;                   // one and the same lobe throughout
         Shape shape;
-        void merge(const Cell& other);
+        void merge(const Cell& other, double factor = 1.0);
     };
     // Borders of the texels of all coarse levels on one axis, ascending.
     static std::vector<double> borders(int size, int firstLevel, int levels);
@@ -32,6 +33,12 @@ private:
     // Merges cells into those of the levels from `level` on.
     void coarsen(int level);
     void addTexel(int number, int x, int y, Solver& solver) const;
+    std::vector<TentShare> shares(int t, int levelTexels, int size, const std::vector<double>& cuts) const;
+    // Tents end in the middle of texels, which the borders of the next finer level resolve.
+    int cellLevel(int level) const
+    {
+        return level - (chain_.options_.reconstruction == Reconstruction::bilinear ? 1 : 0);
+    }
 
     Chain& chain_;
     std::vector<double> cutsX_, cutsY_;

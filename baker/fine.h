@@ -2,8 +2,8 @@
 #pragma once
 #include "averager.h"
 #include "chain.h"
-#include "footprint.h"
 #include "solver.h"
+#include "tent.h"
 
 namespace lumel::baker {
 
@@ -16,7 +16,9 @@ public:
 private:
     void readLobes(int number, int x0, int y0, int x1, int y1);
     void addTexel(int number, int x, int y);
-    void addQuadrants(const Footprint& fx, const Footprint& fy, TexelTask& task) const;
+    void span(int from, int to, int coarseSize, int size, int& begin, int& end) const;
+    void gather(const Level& level, int x, int y);
+    void addQuadrants(TexelTask& task) const;
 
     Chain& chain_;
     Solver solver_;
@@ -25,6 +27,7 @@ private:
     Lobes lobes_;
     int originX_ = 0, originY_ = 0, rectWidth_ = 0;
     std::vector<Member> members_;
+    std::vector<TentShare> sharesX_, sharesY_;
     NodeSet nodes_;
 };
 

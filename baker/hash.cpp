@@ -18,6 +18,7 @@ std::string sourceHash(const Maps& maps, const Options& options)
     hash.addValue(maps.specularConstant).addValue(maps.diffuseConstant);
     // The number of threads changes nothing in the result.
     hash.addValue(options.method).addValue(options.model).addValue(options.reduce);
+    hash.addValue(options.reconstruction);
     return hash.hex();
 }
 

@@ -27,20 +27,20 @@ void Moments::add(const Lobes& lobes, size_t i, double area)
     }
 }
 
-void Moments::add(const Moments& o)
+void Moments::add(const Moments& o, double factor)
 {
-    weight += o.weight;
-    normal += o.normal;
-    normalNormal = normalNormal + o.normalNormal;
-    discCovariance = discCovariance + o.discCovariance;
-    precision = precision + o.precision;
-    energy += o.energy;
-    energyPower += o.energyPower;
-    energyNarrow += o.energyNarrow;
+    weight += factor * o.weight;
+    normal += factor * o.normal;
+    normalNormal = normalNormal + o.normalNormal * factor;
+    discCovariance = discCovariance + o.discCovariance * factor;
+    precision = precision + o.precision * factor;
+    energy += factor * o.energy;
+    energyPower += factor * o.energyPower;
+    energyNarrow += factor * o.energyNarrow;
     maxPower = std::max(maxPower, o.maxPower);
-    ks += o.ks;
+    ks += factor * o.ks;
     for (int c = 0; c < 3; ++c)
-        kdNormal[c] += o.kdNormal[c];
+        kdNormal[c] += factor * o.kdNormal[c];
 }
 
 Moments Moments::mean() const

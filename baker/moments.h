@@ -60,7 +60,7 @@ struct Moments {
     glm::dvec3 kdNormal[3] = {}; // Kd N for each colour channel
 
     void add(const Lobes& lobes, size_t i, double area);
-    void add(const Moments& other);
+    void add(const Moments& other, double factor = 1.0);
     Moments mean() const; // divided by weight
 };
 
