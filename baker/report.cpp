@@ -1,6 +1,7 @@
 #include "report.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "lookup.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
@@ -28,6 +29,23 @@ double peakMiB()
     return double(usage.ru_maxrss) / 1024.0;
 }
 
+// Bakes for the other reconstruction too and looks both up between texels.
+void compareLookups(const Maps& maps, const Options& options, const ReflectanceMips& mips, Report& report)
+{
+    constexpr int kLastLevel = 4, kSamples = 200;
+    Options other = options;
+    const bool isBox = options.reconstruction == Reconstruction::box;
+    other.reconstruction = isBox ? Reconstruction::bilinear : Reconstruction::box;
+    const ReflectanceMips second = bake(maps, other);
+    for (LevelReport& level : report.levels) {
+        if (level.level > kLastLevel)
+            break;
+        const size_t l = size_t(level.level - options.reduce);
+        level.boxLookup = lookupError(maps, isBox ? mips : second, l, kSamples);
+        level.bilinearLookup = lookupError(maps, isBox ? second : mips, l, kSamples);
+    }
+}
+
 } // namespace
 
 Report makeReport(const Maps& maps, const Options& options, const ReflectanceMips& mips, double seconds)
@@ -49,6 +67,7 @@ Report makeReport(const Maps& maps, const Options& options, const ReflectanceMip
         for (LevelReport& level : report.levels)
             level.methods.push_back(errorsOf(other.method, other.levels[size_t(level.level - first)]));
     }
+    compareLookups(maps, options, mips, report);
     return report;
 }
 
@@ -67,6 +86,8 @@ std::string reportJson(const Report& report)
         for (const MethodErrors& m : level.methods)
             l["methods"].push_back(
                 {{"method", m.method}, {"mean", m.mean}, {"p95", m.p95}, {"worst", m.worst}});
+        if (level.boxLookup >= 0.0)
+            l["lookup"] = {{"box", level.boxLookup}, {"bilinear", level.bilinearLookup}};
         json["levels"].push_back(std::move(l));
     }
     return json.dump(1) + "\n";

@@ -14,6 +14,9 @@ struct LevelReport {
     int level = 0; // above the input
     int width = 0, height = 0;
     std::vector<MethodErrors> methods; // the bake itself first
+    // Mean error of bilinear lookups in chains fitted for the box and for bilinear reconstruction; negative
+    // where a texel covers too many lobes to measure it.
+    double boxLookup = -1.0, bilinearLookup = -1.0;
 };
 
 struct Report {
@@ -28,7 +31,7 @@ struct Report {
 Report makeReport(const Maps& maps, const Options& options, const ReflectanceMips& mips, double seconds);
 
 // {"schema": 1, "model", "source", "seconds", "peak_mib", "levels": [{"level", "width", "height",
-//  "methods": [{"method", "mean", "p95", "worst"}]}]}
+//  "methods": [{"method", "mean", "p95", "worst"}], "lookup": {"box", "bilinear"}}]}
 std::string reportJson(const Report& report);
 
 // Self-contained page: the numbers, and for best, median and worst texel of each level the exact average,
