@@ -102,6 +102,12 @@ void NodeSet::clear()
         v->clear();
 }
 
+void NodeSet::resize(size_t count)
+{
+    for (auto* v : {&x, &y, &z, &area})
+        v->resize(count);
+}
+
 void NodeSet::add(float nx, float ny, float nz, float nodeArea)
 {
     x.push_back(nx);
@@ -116,85 +122,148 @@ void NodeSet::pad()
         add(0.0f, 0.0f, 1.0f, 0.0f);
 }
 
-void Lattice::plan(const Lobes& lobes, const std::vector<Member>& members, const Moments& mean,
-                   NodeSet& nodes)
-{
-    const size_t count = members.size();
-    const double power = mean.energyPower / mean.energy, narrow = mean.energyNarrow / mean.energy;
-    const auto rim = [&] { // does some lobe reach the rim?
-        for (size_t i = 0; i < count; ++i) {
-            const uint32_t m = members[i].lobe;
-            const double r2 = 1.0 - double(lobes.nz[m]) * lobes.nz[m];
-            if (r2 > 0.5 && narrow * std::log(r2) > -7.0)
-                return true;
-        }
-        return false;
-    };
-    if (narrow <= kDiscRulePower || (narrow <= 80.0 && rim())) {
-        nodes = discRuleFor(narrow);
-        return;
+// Lambert coordinates in which the lobes that matter have unit size and the axes follow their spread:
+// y = R^T K^T (l - centre), precision = K K^T.
+struct Whitening {
+    glm::dvec2 centre{0.0};
+    double k11, k21, k22;
+    glm::dvec2 axis, side;
+
+    glm::dvec2 apply(glm::dvec2 l) const
+    {
+        const glm::dvec2 d = l - centre, y(k11 * d.x + k21 * d.y, k22 * d.y);
+        return {glm::dot(y, axis), glm::dot(y, side)};
     }
+    // A step in whitened coordinates as a step in Lambert's.
+    glm::dvec2 undo(glm::dvec2 t) const
+    {
+        const glm::dvec2 y = axis * t.x + side * t.y;
+        const double dy = y.y / k22;
+        return {(y.x - k21 * dy) / k11, dy};
+    }
+};
+
+namespace {
+
+Whitening whitenLobes(const Lobes& lobes, const std::vector<Member>& members, double power, double narrow)
+{
     // Precision of the lobes in Lambert's map, weighted by energy: the narrow ones decide.
-    Sym2 precision, covariance;
-    glm::dvec2 centre(0.0);
+    Sym2 precision, second;
+    Whitening w;
     double total = 0.0, share = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        const uint32_t m = members[i].lobe;
+    for (const Member& member : members) {
+        const uint32_t m = member.lobe;
         Sym2 s{lobes.sxx[m], lobes.sxy[m], lobes.syy[m]};
-        const double energy = 1.0 / std::sqrt(s.det());
+        const double energy = member.share / std::sqrt(s.det());
         // Long lobes: a fit may be shorter than they are, so the lattice is as fine along them as across.
         if (narrow > 1.02 * power)
             s = {1.0 / narrow, 0.0, 1.0 / narrow};
-        const Sym2 p = lambertCovariance({lobes.nx[m], lobes.ny[m], lobes.nz[m]}, s).inverse();
-        const double w = members[i].share * energy;
-        precision = precision + p * w;
-        total += w;
+        precision =
+            precision + lambertCovariance({lobes.nx[m], lobes.ny[m], lobes.nz[m]}, s).inverse() * energy;
+        total += energy;
         const glm::dvec2 l = lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]);
-        centre += l * double(members[i].share);
-        covariance = covariance + Sym2{l.x * l.x, l.x * l.y, l.y * l.y} * members[i].share;
-        share += members[i].share;
+        w.centre += l * double(member.share);
+        second = second + Sym2{l.x * l.x, l.x * l.y, l.y * l.y} * member.share;
+        share += member.share;
     }
     precision = precision * (1.0 / total);
-    centre /= share;
-    covariance = covariance * (1.0 / share) +
-                 Sym2{centre.x * centre.x, centre.x * centre.y, centre.y * centre.y} * -1.0;
-    // y = K^T (l - centre), precision = K K^T: lobes have unit size. Then turn to the spread's axes.
-    const double k11 = std::sqrt(precision.xx), k21 = precision.xy / k11;
-    const double k22 = std::sqrt(std::max(precision.yy - k21 * k21, 1e-12));
-    const auto whiten = [&](glm::dvec2 d) { return glm::dvec2(k11 * d.x + k21 * d.y, k22 * d.y); };
-    const double cxx = k11 * k11 * covariance.xx + 2 * k11 * k21 * covariance.xy + k21 * k21 * covariance.yy;
-    const double cxy = k22 * (k11 * covariance.xy + k21 * covariance.yy), cyy = k22 * k22 * covariance.yy;
-    const double angle = 0.5 * std::atan2(2.0 * cxy, cxx - cyy);
-    const glm::dvec2 axis(std::cos(angle), std::sin(angle)), side(-axis.y, axis.x);
-    glm::dvec2 lower(1e30), upper(-1e30);
+    w.centre /= share;
+    const glm::dvec2 c = w.centre;
+    const Sym2 covariance = second * (1.0 / share) + Sym2{c.x * c.x, c.x * c.y, c.y * c.y} * -1.0;
+    w.k11 = std::sqrt(precision.xx);
+    w.k21 = precision.xy / w.k11;
+    w.k22 = std::sqrt(std::max(precision.yy - w.k21 * w.k21, 1e-12));
+    const double cxx =
+        w.k11 * w.k11 * covariance.xx + 2 * w.k11 * w.k21 * covariance.xy + w.k21 * w.k21 * covariance.yy;
+    const double cxy = w.k22 * (w.k11 * covariance.xy + w.k21 * covariance.yy),
+                 cyy = w.k22 * w.k22 * covariance.yy;
+    // Principal axis without angles: the longer of two expressions for the same eigenvector.
+    const double half = 0.5 * (cxx - cyy), radius = std::sqrt(half * half + cxy * cxy);
+    const glm::dvec2 v = half > 0.0 ? glm::dvec2(half + radius, cxy) : glm::dvec2(cxy, radius - half);
+    const double length = std::sqrt(glm::dot(v, v));
+    w.axis = length > 1e-9 ? v / length : glm::dvec2(1.0, 0.0);
+    w.side = {-w.axis.y, w.axis.x};
+    return w;
+}
+
+// Does some lobe reach the rim?
+bool reachesRim(const Lobes& lobes, const std::vector<Member>& members, double narrow)
+{
+    for (const Member& member : members) {
+        const double nz = lobes.nz[member.lobe], r2 = 1.0 - nz * nz;
+        if (r2 > 0.5 && narrow * std::log(r2) > -7.0)
+            return true;
+    }
+    return false;
+}
+
+// floor and ceil without a library call: SSE2 has no instruction for them.
+int floorInt(float v)
+{
+    const int i = int(v);
+    return i - (v < float(i));
+}
+int ceilInt(float v)
+{
+    return -floorInt(-v);
+}
+
+} // namespace
+
+void Lattice::plan(const Lobes& lobes, const std::vector<Member>& members, const Moments& mean,
+                   NodeSet& nodes)
+{
+    const double power = mean.energyPower / mean.energy, narrow = mean.energyNarrow / mean.energy;
+    if (narrow <= kDiscRulePower || (narrow <= 80.0 && reachesRim(lobes, members, narrow))) {
+        nodes = discRuleFor(narrow);
+        return;
+    }
+    const Whitening whitening = whitenLobes(lobes, members, power, narrow);
+    glm::vec2 lower(1e30f), upper(-1e30f);
     discs_.clear();
-    for (size_t i = 0; i < count; ++i) {
-        const uint32_t m = members[i].lobe;
-        const glm::dvec2 y = whiten(glm::dvec2(lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m])) - centre);
-        const double wide = 1.0 / lowestPower(lobes, m); // variance along its long side
-        const double radius = kMargin * std::clamp(std::sqrt(narrow * wide), 1.0, 8.0);
-        const glm::dvec2 t(glm::dot(y, axis), glm::dot(y, side));
+    for (const Member& member : members) {
+        const uint32_t m = member.lobe;
+        const float wide = 1.0f / lowestPower(lobes, m); // variance along its long side
+        const float radius = float(kMargin) * std::clamp(std::sqrt(float(narrow) * wide), 1.0f, 8.0f);
+        const glm::vec2 t = whitening.apply(lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]));
         lower = glm::min(lower, t - radius);
         upper = glm::max(upper, t + radius);
         discs_.push_back(glm::vec3(t, radius));
     }
-    const glm::dvec2 size = upper - lower;
-    const double spacing = std::max(kSpacing, std::sqrt(size.x * size.y / double(kMaxNodes)));
-    const int n1 = std::max(1, int(std::ceil(size.x / spacing))),
-              n2 = std::max(1, int(std::ceil(size.y / spacing)));
-    const glm::dvec2 step = size / glm::dvec2(n1, n2);
-    cover(glm::vec2(lower), glm::vec2(step), n1, n2);
-    const double area = step.x * step.y / (k11 * k22);
-    nodes.clear();
+    const glm::vec2 size = upper - lower;
+    const float spacing = std::max(float(kSpacing), std::sqrt(size.x * size.y / float(kMaxNodes)));
+    const int n1 = std::max(1, ceilInt(size.x / spacing)), n2 = std::max(1, ceilInt(size.y / spacing));
+    const glm::vec2 step = size / glm::vec2(n1, n2);
+    cover(lower, step, n1, n2);
+    layOut(whitening, lower, step, n1, n2, nodes);
+}
+
+// Nodes at the covered lattice points.
+void Lattice::layOut(const Whitening& whitening, glm::vec2 lower, glm::vec2 step, int n1, int n2,
+                     NodeSet& nodes)
+{
+    const float area = float(double(step.x) * step.y / (whitening.k11 * whitening.k22));
+    const glm::vec2 origin = whitening.centre + whitening.undo(lower + 0.5f * step);
+    const glm::vec2 right = whitening.undo({step.x, 0.0}), down = whitening.undo({0.0, step.y});
+    nodes.resize(covered_.size());
+    size_t count = 0;
     for (int j = 0; j < n2; ++j)
         for (int i = 0; i < n1; ++i) {
-            if (!covered_[size_t(j) * size_t(n1) + size_t(i)])
-                continue;
-            const glm::dvec2 t = lower + step * glm::dvec2(i + 0.5, j + 0.5);
-            const glm::dvec2 y = axis * t.x + side * t.y;
-            const double dy = y.y / k22, dx = (y.x - k21 * dy) / k11;
-            addNode(centre.x + dx, centre.y + dy, area, nodes);
+            const glm::vec2 l = origin + float(i) * right + float(j) * down;
+            nodes.x[count] = l.x;
+            nodes.y[count] = l.y;
+            // Counted only where it is covered and above the horizon.
+            count += covered_[size_t(j) * size_t(n1) + size_t(i)] != 0 && l.x * l.x + l.y * l.y < 1.998f;
         }
+    nodes.resize(count);
+    for (size_t k = 0; k < count; ++k) {
+        const float r2 = nodes.x[k] * nodes.x[k] + nodes.y[k] * nodes.y[k];
+        const float scale = std::sqrt(1.0f - 0.25f * r2);
+        nodes.x[k] *= scale;
+        nodes.y[k] *= scale;
+        nodes.z[k] = 1.0f - 0.5f * r2;
+        nodes.area[k] = area * nodes.z[k];
+    }
     nodes.pad();
 }
 
@@ -202,16 +271,19 @@ void Lattice::plan(const Lobes& lobes, const std::vector<Member>& members, const
 void Lattice::cover(glm::vec2 lower, glm::vec2 step, int n1, int n2)
 {
     covered_.assign(size_t(n1) * size_t(n2), 0);
+    const glm::vec2 perStep = 1.0f / step;
     for (const glm::vec3& d : discs_) {
-        const int first = std::max(0, int(std::ceil((d.y - d.z - lower.y) / step.y - 0.5f)));
-        const int last = std::min(n2 - 1, int(std::floor((d.y + d.z - lower.y) / step.y - 0.5f)));
+        const glm::vec2 at = (glm::vec2(d) - lower) * perStep - 0.5f; // in lattice points
+        const float reachY = d.z * perStep.y;
+        const int first = std::max(0, ceilInt(at.y - reachY)),
+                  last = std::min(n2 - 1, floorInt(at.y + reachY));
         for (int j = first; j <= last; ++j) {
-            const float dy = lower.y + (float(j) + 0.5f) * step.y - d.y;
-            const float half = std::sqrt(std::max(0.0f, d.z * d.z - dy * dy));
-            const int from = std::max(0, int(std::ceil((d.x - half - lower.x) / step.x - 0.5f)));
-            const int to = std::min(n1 - 1, int(std::floor((d.x + half - lower.x) / step.x - 0.5f)));
-            if (from <= to)
-                std::fill_n(covered_.begin() + std::ptrdiff_t(j) * n1 + from, to - from + 1, 1);
+            const float dy = (float(j) - at.y) * step.y;
+            const float half = std::sqrt(std::max(0.0f, d.z * d.z - dy * dy)) * perStep.x;
+            const int from = std::max(0, ceilInt(at.x - half)), to = std::min(n1 - 1, floorInt(at.x + half));
+            unsigned char* row = covered_.data() + size_t(j) * size_t(n1);
+            for (int i = from; i <= to; ++i)
+                row[i] = 1;
         }
     }
 }

@@ -13,6 +13,7 @@ struct NodeSet {
     std::vector<float> area;    // of the disc
     size_t size() const { return x.size(); }
     void clear();
+    void resize(size_t count);
     void add(float nx, float ny, float nz, float nodeArea);
     void pad();
 };
@@ -34,6 +35,8 @@ public:
 
 private:
     void cover(glm::vec2 lower, glm::vec2 step, int n1, int n2);
+    void layOut(const struct Whitening& whitening, glm::vec2 lower, glm::vec2 step, int n1, int n2,
+                NodeSet& nodes);
     std::vector<glm::vec3> discs_;       // of the members: whitened centre and radius
     std::vector<unsigned char> covered_; // lattice points within some disc
 };
