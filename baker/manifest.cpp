@@ -1,7 +1,9 @@
 #include "manifest.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "report.h"
 #include <OpenImageIO/imageio.h>
+#include <chrono>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -27,8 +29,15 @@ public:
     {
         if (!json.is_object() || !json.contains("output"))
             throw Error("an entry without output; name the .exr to write");
-        for (const auto& [key, value] : json.items())
-            read(key, value);
+        for (const auto& [name, value] : json.items()) {
+            std::string key = name;
+            std::replace(key.begin(), key.end(), '-', '_');
+            try {
+                read(key, value);
+            } catch (const Json::exception&) { // not the type that the option takes
+                throw Error(fmt::format("option '{}' is malformed; see lumel bake --help", name));
+            }
+        }
     }
 
 private:
@@ -55,6 +64,8 @@ private:
         else if (key == "normal_green")
             maps.normalGreenUp = choice<bool>(value, key, {{"up", true}, {"down", false}});
         else if (key == "power" && value.is_string())
+            maps.power = image(value);
+        else if (key == "power_map")
             maps.power = image(value);
         else if (key == "power")
             maps.powerConstant = value.get<float>();
@@ -90,6 +101,13 @@ private:
             options.model = choice<Model>(
                 value, key,
                 {{"blinn-phong", Model::blinnPhong}, {"ashikhmin-shirley", Model::ashikhminShirley}});
+        else if (key == "threads")
+            options.threads = value.get<int>();
+        else if (key == "float")
+            asFloat = value.get<bool>();
+        else if (key == "report")
+            for (const Json& name : value.is_array() ? value : Json::array({value}))
+                reports.push_back(folder_ / name.get<std::string>());
         else if (key == "reduce")
             options.reduce = value.get<int>();
         else if (key == "reconstruction")
@@ -103,8 +121,39 @@ private:
 
 public:
     fs::path output;
+    std::vector<fs::path> reports;
     Maps maps;
     Options options;
+    bool asFloat = false;
+
+    bool isUpToDate() const
+    {
+        bool isFloat = false;
+        for (const fs::path& report : reports)
+            if (!fs::exists(report))
+                return false;
+        return bakedSource(output, &isFloat) == sourceHash(maps, options) && isFloat == asFloat;
+    }
+
+    // `share` units of `whole` are this entry's.
+    void bakeAll(Progress& whole, size_t share) const
+    {
+        for (const fs::path& file : reports)
+            checkWritable(file);
+        checkWritable(output);
+        const size_t units = progressUnits(maps) + (reports.empty() ? 0 : measureUnits(maps, options));
+        Progress progress(whole, share, units);
+        const auto start = std::chrono::steady_clock::now();
+        const ReflectanceMips mips = bake(maps, options, &progress);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        writeExr(output, mips, asFloat);
+        if (reports.empty())
+            return;
+        Report report = makeReport(maps, options, mips, seconds.count(), &progress);
+        report.name = output.filename().string();
+        for (const fs::path& file : reports)
+            writeReport(file, report);
+    }
 };
 
 Json parse(const fs::path& manifest)
@@ -120,7 +169,7 @@ Json parse(const fs::path& manifest)
 
 } // namespace
 
-std::string bakedSource(const fs::path& file)
+std::string bakedSource(const fs::path& file, bool* isFloat)
 {
     auto input = fs::is_regular_file(file) ? OIIO::ImageInput::open(file.string()) : nullptr;
     if (!input) {
@@ -130,33 +179,44 @@ std::string bakedSource(const fs::path& file)
     const OIIO::ImageSpec& spec = input->spec();
     if (spec.get_string_attribute("lumel:version") != kVersion || spec.nchannels != kChannels)
         return "";
+    if (isFloat)
+        *isFloat = spec.format == OIIO::TypeDesc::FLOAT;
     return spec.get_string_attribute("lumel:source");
 }
 
-ManifestResult bakeManifest(const fs::path& manifest, const Options& defaults)
+ManifestResult bakeManifest(const fs::path& manifest, const Options& defaults, bool print)
 {
     const Json json = parse(manifest);
     ManifestResult result;
     constexpr size_t kUnits = 1000; // of the bar an entry: sizes are known only once maps are read
     Progress progress("bake " + manifest.filename().string(), json.size() * kUnits);
+    const auto tell = [&](const std::string& line) {
+        if (print)
+            progress.print(line);
+    };
     for (size_t i = 0; i < json.size(); ++i) {
         std::string name = fmt::format("entry {}", i + 1);
+        if (const Json& one = json[i]; one.is_object() && one.contains("output") && one["output"].is_string())
+            name = (manifest.parent_path() / one["output"].get<std::string>()).string();
         try {
             const Entry entry(json[i], manifest.parent_path(), defaults);
             name = entry.output.string();
-            if (bakedSource(entry.output) == sourceHash(entry.maps, entry.options)) {
+            if (entry.isUpToDate()) {
                 ++result.upToDate;
+                tell(name + ": up to date");
             } else {
-                writeExr(entry.output, bake(entry.maps, entry.options));
+                entry.bakeAll(progress, kUnits);
                 ++result.baked;
+                tell(name + ": baked");
             }
         } catch (const Interrupted&) {
             throw;
         } catch (const std::exception& e) {
             const std::string why = e.what();
             result.failures.push_back(fmt::format("{}: {}", name, why.substr(0, why.find('\n'))));
+            tell(fmt::format("{}: failed: {}", name, why.substr(0, why.find('\n'))));
         }
-        progress.advance(kUnits);
+        progress.advanceTo((i + 1) * kUnits);
     }
     return result;
 }

@@ -48,60 +48,73 @@ void compareLookups(const Maps& maps, const Options& options, const ReflectanceM
 
 } // namespace
 
-Report makeReport(const Maps& maps, const Options& options, const ReflectanceMips& mips, double seconds)
+Report makeReport(const Maps& maps, const Options& options, const ReflectanceMips& mips, double seconds,
+                  Progress* progress)
 {
-    Report report{mips.model, mips.source, seconds, peakMiB(), {}};
+    Report report{mips.model, mips.source, seconds, peakMiB(), {}, {}, {}};
     const int first = options.reduce;
     for (size_t l = first > 0 ? 0 : 1; l < mips.levels.size(); ++l)
         report.levels.push_back({int(l) + first,
                                  mips.levels[l].width,
                                  mips.levels[l].height,
                                  {errorsOf(mips.method, mips.levels[l])}});
-    for (const Method method :
-         {Method::flat, Method::height, Method::average, Method::toksvig, Method::lean}) {
-        if (method == options.method || (method == Method::height && maps.height.empty()))
-            continue;
-        Options closed = options;
-        closed.method = method;
-        const ReflectanceMips other = bake(maps, closed);
+    const auto addClosedForm = [&](const ReflectanceMips& other) {
         for (LevelReport& level : report.levels)
             level.methods.push_back(errorsOf(other.method, other.levels[size_t(level.level - first)]));
-    }
+    };
+    report.measured = measure(maps, options, mips, addClosedForm, progress);
     compareLookups(maps, options, mips, report);
     return report;
 }
 
 std::string reportJson(const Report& report)
 {
-    nlohmann::ordered_json json;
-    json["schema"] = 1;
-    json["model"] = report.model;
-    json["source"] = report.source;
-    json["seconds"] = report.seconds;
-    json["peak_mib"] = report.peakMiB;
-    json["levels"] = nlohmann::ordered_json::array();
-    for (const LevelReport& level : report.levels) {
-        nlohmann::ordered_json l{{"level", level.level}, {"width", level.width}, {"height", level.height}};
-        l["methods"] = nlohmann::ordered_json::array();
-        for (const MethodErrors& m : level.methods)
-            l["methods"].push_back(
-                {{"method", m.method}, {"mean", m.mean}, {"p95", m.p95}, {"worst", m.worst}});
+    using json = nlohmann::ordered_json;
+    const Measurement& measured = report.measured;
+    json document;
+    document["schema"] = 1;
+    document["map"] = report.name;
+    document["size"] = {measured.width, measured.height};
+    document["model"] = report.model;
+    document["source"] = report.source;
+    document["seconds"] = report.seconds;
+    document["threads"] = measured.threads;
+    document["peak_mib"] = report.peakMiB;
+    document["sampling"] = {{"most_texels_a_level", kReportTexels},
+                            {"grid_points_a_side", measured.gridSide},
+                            {"narrowest_deviation", measured.narrowestDeviation}};
+    document["levels"] = json::array();
+    for (size_t l = 0; l < report.levels.size(); ++l) {
+        const LevelReport& level = report.levels[l];
+        const MeasuredLevel& brute = measured.levels[l];
+        json methods = json::array();
+        for (size_t m = 0; m < level.methods.size(); ++m) {
+            const MethodErrors& e = level.methods[m];
+            const ErrorFigures& b = brute.figures[m];
+            methods.push_back({{"method", e.method},
+                               {"mean", e.mean},
+                               {"p95", e.p95},
+                               {"worst", e.worst},
+                               {"measured", {{"mean", b.mean}, {"p95", b.p95}, {"worst", b.worst}}}});
+        }
+        json entry = {{"level", level.level},
+                      {"width", level.width},
+                      {"height", level.height},
+                      {"measured_texels", brute.sample.size()},
+                      {"methods", std::move(methods)}};
         if (level.boxLookup >= 0.0)
-            l["lookup"] = {{"box", level.boxLookup}, {"bilinear", level.bilinearLookup}};
-        json["levels"].push_back(std::move(l));
+            entry["lookup"] = {{"box", level.boxLookup}, {"bilinear", level.bilinearLookup}};
+        document["levels"].push_back(std::move(entry));
     }
-    return json.dump(1) + "\n";
+    return document.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
-void writeReport(const std::filesystem::path& file, const Maps& maps, const Options& options,
-                 const ReflectanceMips& mips, double seconds)
+void writeReport(const std::filesystem::path& file, const Report& report)
 {
     const std::string extension = file.extension().string();
     if (extension != ".json" && extension != ".html")
         throw Error(fmt::format("{}: a report is .json or .html; end its name so", file.string()));
-    const Report report = makeReport(maps, options, mips, seconds);
-    writeFileAtomically(file,
-                        extension == ".json" ? reportJson(report) : reportHtml(maps, options, mips, report));
+    writeFileAtomically(file, extension == ".json" ? reportJson(report) : reportHtml(report));
 }
 
 } // namespace lumel::baker

@@ -1,10 +1,11 @@
 // What a bake was worth: errors of the fit and of every closed form, as numbers and as pictures.
 #pragma once
-#include "bake.h"
+#include "report_measure.h"
 #include <filesystem>
 
 namespace lumel::baker {
 
+// As the baker states them, over all texels.
 struct MethodErrors {
     std::string method;
     double mean = 0.0, p95 = 0.0, worst = 0.0;
@@ -24,24 +25,24 @@ struct Report {
     double seconds = 0.0; // of the bake
     double peakMiB = 0.0; // of the process so far
     std::vector<LevelReport> levels;
+    std::string name;     // what was baked, for headings
+    Measurement measured; // the same measured by brute force
 };
 
 // Bakes every closed form that the maps allow (height needs a height map) and compares. `seconds` is
-// what baking `mips` took.
-Report makeReport(const Maps& maps, const Options& options, const ReflectanceMips& mips, double seconds);
+// what baking `mips` took. `progress` counts measureUnits(maps, options).
+Report makeReport(const Maps& maps, const Options& options, const ReflectanceMips& mips, double seconds,
+                  Progress* progress = nullptr);
 
-// {"schema": 1, "model", "source", "seconds", "peak_mib", "levels": [{"level", "width", "height",
-//  "methods": [{"method", "mean", "p95", "worst"}], "lookup": {"box", "bilinear"}}]}
+// The fields are listed in README.md.
 std::string reportJson(const Report& report);
 
 // Self-contained page: the numbers, and for best, median and worst texel of each level the exact average,
 // the fit and the closed forms on the half-angle disc, with the error over (power, Ks) and the
 // minimiser's path through it.
-std::string reportHtml(const Maps& maps, const Options& options, const ReflectanceMips& mips,
-                       const Report& report);
+std::string reportHtml(const Report& report);
 
 // Writes the report that the extension asks for, .json or .html.
-void writeReport(const std::filesystem::path& file, const Maps& maps, const Options& options,
-                 const ReflectanceMips& mips, double seconds);
+void writeReport(const std::filesystem::path& file, const Report& report);
 
 } // namespace lumel::baker

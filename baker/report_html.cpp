@@ -1,291 +1,246 @@
-// The report as a page. Pictures are 8-bit BMPs inside the page: no other file, no script.
-#include "averager.h"
-#include "closed_form.h"
-#include "footprint.h"
+// The report as one page without outside files: figures, chart, table, then the texels to look at.
 #include "report.h"
-#include "shared/lobe.h"
-#include "solver.h"
+#include "report_chart.h"
+#include "report_pictures.h"
 #include <fmt/format.h>
-#include <iterator>
 
 namespace lumel::baker {
 namespace {
 
-constexpr int kDisc = 72;        // pixels across a picture of the disc
-constexpr int kMostLobes = 4096; // texels over more lobes get no pictures
+constexpr const char* kStyle = R"(
+:root{color-scheme:dark}
+*{box-sizing:border-box}
+body{margin:0;background:#0e1016;color:#d7dce6;font:15px/1.5 "Inter","Segoe UI","DejaVu Sans",system-ui,sans-serif}
+main{max-width:1340px;margin:0 auto;padding:36px 32px 64px}
+h1{font-size:27px;font-weight:600;margin:0;color:#fff;overflow-wrap:anywhere}
+h2{font-size:18px;font-weight:600;margin:44px 0 6px;color:#fff}
+p{margin:4px 0 14px;color:#98a3b8;max-width:1000px}
+.cards{display:flex;flex-wrap:wrap;gap:10px;margin:22px 0 8px}
+.card{background:#171a23;border:1px solid #242936;border-radius:10px;padding:11px 15px 12px;flex:1 0 auto}
+.card b{display:block;font-size:19px;font-weight:600;color:#fff;font-variant-numeric:tabular-nums}
+.card span{color:#98a3b8;font-size:12.5px;white-space:nowrap}
+.panel{background:#141720;border:1px solid #242936;border-radius:12px;padding:18px}
+svg{display:block;width:100%;height:auto}
+svg text{font-family:inherit}
+.tick{fill:#98a3b8;font-size:12px}.faint{fill:#5d6678;font-size:11px}.label{font-size:14px;font-weight:600}
+.major{stroke:#333a4a;fill:none}.minor{stroke:#1d212c;fill:none}
+table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}
+th,td{padding:6px 12px;text-align:right;border-bottom:1px solid #202532;white-space:nowrap}
+th{font-weight:600;border-bottom-color:#333a4a}
+th:first-child,td:first-child,th:nth-child(2),td:nth-child(2){text-align:left}
+td b{font-weight:600;font-size:15px;color:#e9edf5}td small{display:block;color:#7b8599;font-size:12px}
+td.first b{color:#ffc94d}
+.level{margin-top:18px}
+.level h3{margin:0 0 10px;font-size:16px;color:#fff;font-weight:600}
+.level h3 span{color:#98a3b8;font-weight:400;font-size:14px;margin-left:8px}
+.row{display:grid;gap:10px;align-items:start;padding:12px 0;border-top:1px solid #202532}
+.row:first-of-type{border-top:0;padding-top:0}
+.who{font-size:13px;color:#98a3b8;padding-top:2px}.who b{display:block;color:#fff;font-size:15px}
+figure{margin:0;text-align:center}
+figure img{display:block;width:100%;border-radius:6px}
+figcaption{font-size:12.5px;margin-top:4px;line-height:1.35;color:#98a3b8}
+figcaption b{display:block;font-size:14px;color:#e9edf5;font-variant-numeric:tabular-nums;font-weight:600}
+.land .tick{font-size:11px}
+.halo{fill:none;stroke:#000;stroke-width:4.5;stroke-opacity:.6;stroke-linejoin:round;stroke-linecap:round}
+.path{fill:none;stroke:#fff;stroke-width:1.8;stroke-linejoin:round}
+.dots circle{fill:#fff}.start{fill:#0e1016;stroke:#fff;stroke-width:2}
+.goal{fill:none;stroke:#ff4d6d;stroke-width:2.4;stroke-linecap:round}
+.black{color:#5d6678;padding:40px 0;text-align:center}
+.scale{display:flex;gap:12px;align-items:center;font-size:13px;color:#98a3b8;margin:6px 0 2px}
+.scale div{position:relative;width:360px;height:14px}.scale img{width:360px;height:14px;border-radius:4px;display:block}
+.ticks{position:relative;height:16px;width:360px}
+.ticks span{position:absolute;transform:translateX(-50%);font-size:12px}
+footer{margin-top:40px;color:#5d6678;font-size:12.5px;overflow-wrap:anywhere}
+)";
 
-std::string base64(const std::vector<unsigned char>& bytes)
+std::string escaped(const std::string& text)
 {
-    static const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (size_t i = 0; i < bytes.size(); i += 3) {
-        const size_t left = bytes.size() - i;
-        const unsigned v = unsigned(bytes[i]) << 16 | (left > 1 ? unsigned(bytes[i + 1]) << 8 : 0u) |
-                           (left > 2 ? unsigned(bytes[i + 2]) : 0u);
-        text += digits[v >> 18];
-        text += digits[v >> 12 & 63];
-        text += left > 1 ? digits[v >> 6 & 63] : '=';
-        text += left > 2 ? digits[v & 63] : '=';
-    }
-    return text;
+    std::string html;
+    for (const char c : text)
+        switch (c) {
+        case '<':
+            html += "&lt;";
+            break;
+        case '>':
+            html += "&gt;";
+            break;
+        case '&':
+            html += "&amp;";
+            break;
+        case '"':
+            html += "&quot;";
+            break;
+        default:
+            html += c;
+        }
+    return html;
 }
 
-// Black, violet, orange, white: dark to light in print too.
-void palette(int i, unsigned char* bgr)
+std::string card(const std::string& value, const std::string& what)
 {
-    const float t = float(i) / 255.0f;
-    bgr[2] = static_cast<unsigned char>(255.0f * std::min(1.0f, 1.6f * t));
-    bgr[1] = static_cast<unsigned char>(255.0f * std::clamp(1.7f * t - 0.6f, 0.0f, 1.0f));
-    bgr[0] = static_cast<unsigned char>(
-        255.0f * (t < 0.4f ? 1.2f * t : std::max(0.48f - 1.6f * (t - 0.4f), 3.3f * t - 2.3f)));
+    return fmt::format("<div class='card'><b>{}</b><span>{}</span></div>", value, what);
 }
 
-// An <img> of values in [0, 1], rows from top to bottom.
-std::string picture(const std::vector<float>& values, int width, int height)
+std::string cards(const Report& report)
 {
-    const int stride = (width + 3) / 4 * 4;
-    const unsigned offset = 54 + 1024, size = offset + unsigned(stride * height);
-    std::vector<unsigned char> bmp(size, 0);
-    const auto put32 = [&](size_t at, unsigned v) {
-        for (size_t k = 0; k < 4; ++k)
-            bmp[at + k] = static_cast<unsigned char>(v >> (8 * k));
-    };
-    bmp[0] = 'B';
-    bmp[1] = 'M';
-    put32(2, size);
-    put32(10, offset);
-    put32(14, 40);
-    put32(18, unsigned(width));
-    put32(22, unsigned(height));
-    bmp[26] = 1; // planes
-    bmp[28] = 8; // bits
-    for (int i = 0; i < 256; ++i)
-        palette(i, &bmp[54 + 4 * size_t(i)]);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            const float v = std::clamp(values[size_t(y * width + x)], 0.0f, 1.0f);
-            bmp[offset + size_t((height - 1 - y) * stride + x)] =
-                static_cast<unsigned char>(255.0f * v + 0.5f);
-        }
-    return fmt::format("<img width={} height={} src=\"data:image/bmp;base64,{}\">", 2 * width, 2 * height,
-                       base64(bmp));
+    const Measurement& m = report.measured;
+    std::string html = "<div class='cards'>";
+    html += card(fmt::format("{} × {}", m.width, m.height), "texels in");
+    html += card(m.methods.front(), escaped(report.model));
+    html += card(fmt::format("{:.{}f} s", report.seconds, report.seconds < 10.0 ? 2 : 1),
+                 fmt::format("bake, {} thread{}", m.threads, m.threads == 1 ? "" : "s"));
+    html += card(fmt::format("{:.0f} MiB", report.peakMiB), "peak memory");
+    // The levels' mean errors added up, against each closed form's.
+    std::vector<double> sums(m.methods.size());
+    for (const MeasuredLevel& level : m.levels)
+        for (size_t i = 0; i < sums.size(); ++i)
+            sums[i] += level.figures[i].mean;
+    html += card(formatError(sums[0]), "mean errors, all levels");
+    for (size_t i = 1; i < sums.size(); ++i)
+        if (sums[i] > 0.0)
+            html += card(fmt::format("{:.2f} ×", sums[0] / sums[i]),
+                         fmt::format("the error of <span style='color:{}'>{}</span>",
+                                     methodColour(m.methods[i]), m.methods[i]));
+    return html + "</div>";
 }
 
-// The disc's pixels as nodes; those outside have no area.
-NodeSet discPixels()
+std::string table(const Measurement& report)
 {
-    NodeSet nodes;
-    for (int j = 0; j < kDisc; ++j)
-        for (int i = 0; i < kDisc; ++i) {
-            const float x = 2.0f * (float(i) + 0.5f) / kDisc - 1.0f,
-                        y = 1.0f - 2.0f * (float(j) + 0.5f) / kDisc;
-            const float z2 = 1.0f - x * x - y * y;
-            if (z2 > 0.0f)
-                nodes.add(x, y, std::sqrt(z2), 4.0f / (kDisc * kDisc));
-            else
-                nodes.add(0.0f, 0.0f, 1.0f, 0.0f);
+    std::string html = "<div class='panel'><table><tr><th>Level</th><th>Size</th>";
+    for (const std::string& method : report.methods)
+        html += fmt::format("<th style='color:{}'>{}</th>", methodColour(method), method);
+    html += "</tr>";
+    for (const MeasuredLevel& level : report.levels) {
+        html += fmt::format("<tr><td><b>{}</b></td><td>{} × {}<small>{} measured</small></td>", level.above,
+                            level.width, level.height, level.sample.size());
+        for (size_t m = 0; m < level.figures.size(); ++m) {
+            const ErrorFigures& e = level.figures[m];
+            html += fmt::format("<td{}><b>{}</b><small>{} · {}</small></td>", m == 0 ? " class='first'" : "",
+                                formatError(e.mean), formatError(e.p95), formatError(e.worst));
         }
-    nodes.pad();
-    return nodes;
+        html += "</tr>";
+    }
+    return html + "</table></div>";
 }
 
-struct Sample {
-    int x, y;
-    const char* name;
-};
-
-std::vector<Sample> chooseSamples(const Level& level)
+// The fits for box and for bilinear reconstruction, looked up between texels.
+std::string lookups(const Report& report)
 {
-    std::vector<size_t> order(level.texels.size() / kChannels);
-    for (size_t i = 0; i < order.size(); ++i)
-        order[i] = i;
-    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-        return level.texels[a * kChannels + kError] < level.texels[b * kChannels + kError];
-    });
-    const auto at = [&](size_t k, const char* name) {
-        return Sample{int(order[k] % size_t(level.width)), int(order[k] / size_t(level.width)), name};
-    };
-    if (order.size() < 3)
-        return {at(0, "texel")};
-    return {at(0, "best"), at(order.size() / 2, "median"), at(order.size() - 1, "worst")};
+    std::string rows;
+    for (const LevelReport& level : report.levels)
+        if (level.boxLookup >= 0.0)
+            rows +=
+                fmt::format("<tr><td><b>{}</b></td><td>{} × {}</td><td><b>{}</b></td><td><b>{}</b></td></tr>",
+                            level.level, level.width, level.height, formatError(level.boxLookup),
+                            formatError(level.bilinearLookup));
+    if (rows.empty())
+        return "";
+    return "<h2>Between texels</h2><p>Mean E of bilinear lookups between texel centres, in the chain fitted "
+           "for "
+           "the box under a texel and in the one fitted for bilinear reconstruction.</p><div class='panel'>"
+           "<table><tr><th>Level</th><th>Size</th><th>box</th><th>bilinear</th></tr>" +
+           rows + "</table></div>";
 }
 
-class Page {
-public:
-    Page(const Maps& maps, const ReflectanceMips& mips)
-        : source_(maps), averager_(source_.isotropic(), false), mips_(mips), pixels_(discPixels())
-    {
-    }
-
-    std::string row(size_t l, const Sample& sample)
-    {
-        gather(l, sample);
-        averager_.average(lobes_, members_, false, pixels_);
-        const std::vector<float> g(averager_.g()[0], averager_.g()[0] + pixels_.size());
-        const float peak = *std::max_element(g.begin(), g.end());
-        const Level& level = mips_.levels[l];
-        const float* t = level.at(sample.x, sample.y);
-        const Shape fit{t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]};
-        std::string html = fmt::format("<tr><td>{}<br>({}, {})<br>E = {:.4f}</td>", sample.name, sample.x,
-                                       sample.y, t[kError]);
-        html += fmt::format("<td>{}</td>", discPicture(g, peak));
-        const double ks = luminance({t[kKsR], t[kKsG], t[kKsB]});
-        html += fmt::format("<td>{}</td>", lobePicture(fit, float(ks), peak));
-        const Moments mean = mean_;
-        for (const Shape& shape : {averageShape(mean), toksvigShape(mean), leanShape(mean)})
-            html += fmt::format("<td>{}</td>", lobePicture(shape, float(luminance(mean.ks)), peak));
-        return html + fmt::format("<td>{}</td></tr>\n", errorMap(g, fit));
-    }
-
-private:
-    void gather(size_t l, const Sample& sample)
-    {
-        const Level& level = mips_.levels[l];
-        const Footprint fx(sample.x, level.width, source_.width()),
-            fy(sample.y, level.height, source_.height());
-        const int width = fx.last - fx.first;
-        const double area = (fx.end - fx.begin) * (fy.end - fy.begin);
-        lobes_.resize(size_t(width) * size_t(fy.last - fy.first));
-        members_.clear();
-        Moments sum;
-        for (int j = fy.first; j < fy.last; ++j) {
-            const size_t row = size_t(j - fy.first) * size_t(width);
-            source_.read(j, fx.first, fx.last, lobes_, row);
-            for (int i = fx.first; i < fx.last; ++i) {
-                const uint32_t m = uint32_t(row + size_t(i - fx.first));
-                const double share = double(fx.weight(i)) * fy.weight(j) / area;
-                members_.push_back({m, float(share)});
-                sum.add(lobes_, m, share);
-            }
-        }
-        mean_ = sum.mean();
-    }
-
-    // Square roots, so that tails show.
-    std::string discPicture(const std::vector<float>& values, float peak) const
-    {
-        std::vector<float> shown(size_t(kDisc * kDisc));
-        for (size_t k = 0; k < shown.size(); ++k)
-            shown[k] =
-                pixels_.area[k] > 0.0f ? 0.08f + 0.92f * std::sqrt(values[k] / std::max(peak, 1e-9f)) : 0.0f;
-        return picture(shown, kDisc, kDisc);
-    }
-
-    std::string lobePicture(const Shape& shape, float ks, float peak) const
-    {
-        const Sym2 p = Sym2{shape.sxx, shape.sxy, shape.syy}.inverse();
-        const float nz = std::sqrt(std::max(1e-4f, 1.0f - shape.nx * shape.nx - shape.ny * shape.ny));
-        const LobeTerm term{
-            shape.nx, shape.ny, nz, float(p.xx), float(p.xy), float(p.yy), ks * float(std::sqrt(p.det()))};
-        std::vector<float> values(pixels_.size(), 0.0f);
-        const NodeList list{int(pixels_.size()), pixels_.x.data(), pixels_.y.data(), pixels_.z.data(),
-                            nullptr};
-        kernels().average(&term, 1, false, list, values.data());
-        return discPicture(values, peak);
-    }
-
-    // log(1 + error) of isotropic lobes at the fitted normal over power (to the right, 1 to 1024,
-    // logarithmic) and Ks (up, 0 to twice the mean), with the points where BFGS stood.
-    std::string errorMap(const std::vector<float>& g, const Shape& fit) const
-    {
-        std::vector<float> weight(pixels_.size());
-        double energy = 0.0;
-        for (size_t k = 0; k < weight.size(); ++k) {
-            weight[k] = pixels_.area[k] * g[k];
-            energy += double(weight[k]) * g[k];
-        }
-        FitJob job;
-        job.nodes = {int(pixels_.size()), pixels_.x.data(), pixels_.y.data(), pixels_.z.data(),
-                     weight.data()};
-        job.energy = float(energy);
-        std::vector<float> scratch((pixels_.size() * 4 + 64) * kMaxLanes);
-        const float highestKs = 2.0f * float(luminance(mean_.ks)) + 1e-9f;
-        std::vector<float> values(size_t(kDisc * kDisc));
-        const auto overlaps = [&](const Shape& shape, float& overlap, float& norm) {
-            toUnknowns(shape, job.maxLog, job.unknowns);
-            kernels().evaluate(job, &overlap, &norm, nullptr, scratch.data());
-        };
-        float overlap = 0.0f, norm = 1.0f;
-        for (int i = 0; i < kDisc; ++i) {
-            const float s = std::exp2(-10.0f * (float(i) + 0.5f) / kDisc);
-            overlaps({fit.nx, fit.ny, s, 0.0f, s}, overlap, norm);
-            for (int j = 0; j < kDisc; ++j) {
-                const float ks = highestKs * (1.0f - (float(j) + 0.5f) / kDisc);
-                const double error =
-                    1.0 - 2.0 * double(ks) * overlap / energy + double(ks) * ks * norm / energy;
-                values[size_t(j * kDisc + i)] = std::min(1.0f, float(std::log1p(std::max(0.0, error))));
-            }
-        }
-        SearchSettings settings;
-        for (int step = 1; step <= 16; ++step) { // where the search stands after `step` evaluations
-            toUnknowns(isotropicShape(leanShape(mean_)), job.maxLog, job.unknowns);
-            FitJob* pointer = &job;
-            settings.maxEvaluations = step;
-            kernels().minimise(&pointer, 1, settings, scratch.data());
-            const double ks = std::sqrt(std::max(0.0, (1.0 - double(job.error)) * energy / job.norm));
-            const double power = kBase + std::exp(2.0 * double(job.unknowns[kL1]));
-            const int i = std::clamp(int(std::log2(power) / 10.0 * kDisc), 0, kDisc - 1);
-            const int j = std::clamp(int((1.0 - ks / double(highestKs)) * kDisc), 0, kDisc - 1);
-            values[size_t(j * kDisc + i)] = 1.0f;
-        }
-        return picture(values, kDisc, kDisc);
-    }
-
-    Source source_;
-    Averager averager_;
-    const ReflectanceMips& mips_;
-    NodeSet pixels_;
-    Lobes lobes_;
-    std::vector<Member> members_;
-    Moments mean_;
-};
-
-std::string numbers(const Report& report)
+std::string figure(const std::string& picture, const std::string& name, const std::string& colour,
+                   const std::string& below)
 {
-    std::string html = "<table><tr><th>level</th>";
-    for (const MethodErrors& m : report.levels.front().methods)
-        html += fmt::format("<th>{}</th>", m.method);
-    html += "</tr>\n";
-    for (const LevelReport& level : report.levels) {
-        html += fmt::format("<tr><td>{} ({} x {})</td>", level.level, level.width, level.height);
-        for (const MethodErrors& m : level.methods)
-            html += fmt::format("<td>{:.4f} / {:.4f} / {:.4f}</td>", m.mean, m.p95, m.worst);
-        html += "</tr>\n";
+    return fmt::format("<figure><img alt='{0}' src='{1}'><figcaption><span style='color:{2}'>{0}</span>"
+                       "<b>{3}</b></figcaption></figure>",
+                       name, picture, colour, below);
+}
+
+std::string row(const Measurement& report, const Exhibit& exhibit)
+{
+    const View view = viewOf(*report.grid, exhibit);
+    const Shape& fit = exhibit.texel.lobes.front().shape;
+    const double degrees = std::asin(std::min(1.0, std::hypot(double(fit.nx), double(fit.ny)))) * 57.29578;
+    std::string html = fmt::format(
+        "<div class='row' style='grid-template-columns:104px repeat({},minmax(0,1fr)) 276px'>"
+        "<div class='who'><b>{}</b>texel {}, {}<br>power {:.0f}<br>tilt {:.1f}°<br>shown: {:.0f} %<br>of the "
+        "width</div>",
+        report.methods.size() + 1, exhibit.rank, exhibit.texel.x, exhibit.texel.y, scalarPower(fit), degrees,
+        100.0 * std::min(1.0, view.half));
+    html += figure(averagePicture(*report.grid, exhibit.average, view), "exact average", "#fff", "");
+    for (size_t m = 0; m < report.methods.size(); ++m)
+        html += figure(lobePicture(exhibit.texel.lobes[m], view), report.methods[m],
+                       methodColour(report.methods[m]), formatError(exhibit.texel.lobes[m].error));
+    html += "<figure>" + landscapeChart(exhibit.landscape, exhibit.texel.lobes.front());
+    if (!exhibit.landscape.path.empty())
+        html += fmt::format("<figcaption>{} steps from {}</figcaption>", exhibit.landscape.path.size() - 1,
+                            exhibit.landscape.start);
+    return html + "</figure></div>";
+}
+
+std::string legend()
+{
+    std::string html =
+        "<div class='scale'><div>" + fmt::format("<img alt='' src='{}'>", scalePicture()) +
+        "</div>reflectance, relative to the peak of the exact average</div><div class='ticks'>";
+    for (const double value : {0.0, 0.01, 0.05, 0.2, 0.5, 1.0, kScaleEnd})
+        html += fmt::format("<span style='left:{:.1f}%'>{:g}</span>",
+                            100.0 * scalePosition(value) / scalePosition(kScaleEnd), value);
+    return html + "</div>";
+}
+
+// The largest difference between the means that the baker states and the measured ones, on levels where
+// both are of all texels.
+double statedDifference(const Report& report)
+{
+    double most = 0.0;
+    for (size_t l = 0; l < report.levels.size(); ++l) {
+        const MeasuredLevel& measured = report.measured.levels[l];
+        if (measured.sample.size() == size_t(measured.width) * size_t(measured.height))
+            most = std::max(most, std::abs(report.levels[l].methods[0].mean - measured.figures[0].mean));
     }
-    return html + "</table>\n";
+    return most;
+}
+
+std::string explanation(const Measurement& report)
+{
+    return fmt::format(
+        "E is the integral of (G − F)² over the disc of half vectors divided by that of G²: G the exact "
+        "average of the level-0 lobes under a texel, F the lobe that a method stores for it. It is measured "
+        "by "
+        "brute force: all lobes under a texel are summed on a grid of {} × {} points over the disc, {:.2f} "
+        "standard deviations of the narrowest lobes apart; on every texel of levels with at most {}, else on "
+        "{} at fixed pseudo-random places.",
+        report.gridSide, report.gridSide, 2.0 / report.gridSide / report.narrowestDeviation, kReportTexels,
+        kReportTexels);
 }
 
 } // namespace
 
-std::string reportHtml(const Maps& maps, const Options& options, const ReflectanceMips& mips,
-                       const Report& report)
+std::string reportHtml(const Report& report)
 {
-    std::string html = "<!doctype html><meta charset=utf-8><title>Reflectance MIPs</title>\n"
-                       "<style>body{font:14px sans-serif;margin:2em}table{border-collapse:collapse}"
-                       "td,th{padding:4px 8px;text-align:left}img{image-rendering:pixelated}</style>\n";
-    html +=
-        fmt::format("<h1>Fitted reflectance, {}</h1><p>{:.2f} s, at most {:.0f} MiB. Error relative to the "
-                    "energy of the exact average: mean / 95th percentile / worst texel.</p>\n",
-                    report.model, report.seconds, report.peakMiB);
-    if (report.levels.empty())
-        return html + "<p>One texel: nothing to fit.</p>\n";
-    html += numbers(report);
-    Page page(maps, mips);
-    for (const LevelReport& entry : report.levels) {
-        const size_t l = size_t(entry.level - options.reduce);
-        if ((size_t(1) << (2 * entry.level)) > size_t(kMostLobes))
-            break;
-        html += fmt::format(
-            "<h2>Level {}</h2><p>Half vectors on the disc, square root of F. Last: log(1 + error) "
-            "over power (right, 1 to 1024) and Ks (up), white dots: the minimiser's path.</p>\n"
-            "<table><tr><th></th><th>exact average</th><th>{}</th><th>average</th><th>toksvig</th>"
-            "<th>lean</th><th>error</th></tr>\n",
-            entry.level, mips.method);
-        for (const Sample& sample : chooseSamples(mips.levels[l]))
-            html += page.row(l, sample);
-        html += "</table>\n";
+    std::string html = fmt::format("<!doctype html><html lang='en'><meta charset='utf-8'>"
+                                   "<meta name='viewport' content='width=device-width'>"
+                                   "<title>{0}: bake report</title><style>{1}</style><main><h1>{0}</h1>",
+                                   escaped(report.name), kStyle);
+    html += cards(report);
+    html += "<h2>Mean error by level</h2><p>" + explanation(report.measured) + "</p>";
+    html += "<div class='panel'>" + errorChart(report.measured) + "</div>";
+    html += "<h2>Figures</h2><p>Mean E; below it the 95th percentile and the worst.";
+    if (report.measured.box)
+        html += " What the baker itself states of what it baked differs from these means by at most " +
+                formatError(statedDifference(report)) + " where every texel is measured.";
+    html += "</p>" + table(report.measured) + lookups(report);
+    html += "<h2>Texels</h2><p>The best, the median and the worst measured texel of each level by the first "
+            "method's error, on the disc of half vectors seen from above (rings at sin θ = ¼, ½, ¾, 1). The "
+            "pictures of a row share one scale and one part of the disc. Last: log(1 + E) over power and Ks, "
+            "with the "
+            "fit's normal and proportions held, a contour at each twentieth; <span "
+            "style='color:#ff4d6d'>✚</span> is the fit, the white line the baker's own BFGS search projected "
+            "onto this plane, from the ring on: of the first guesses that end at the fit, the worst.</p>" +
+            legend();
+    for (const MeasuredLevel& level : report.measured.levels) {
+        html += fmt::format("<div class='panel level'><h3>Level {}<span>{} × {}</span></h3>", level.above,
+                            level.width, level.height);
+        for (const Exhibit& exhibit : level.exhibits)
+            html += row(report.measured, exhibit);
+        html += "</div>";
     }
-    return html;
+    return html + fmt::format("<footer>source {}</footer></main></html>\n", escaped(report.source));
 }
 
 } // namespace lumel::baker

@@ -1,3 +1,5 @@
+#include "baker/manifest.h"
+#include "baker/report.h"
 #include "commands.h"
 #include "core/error.h"
 #include "core/file.h"
@@ -44,12 +46,29 @@ Image readIfNamed(const std::filesystem::path& file)
     return file.empty() ? Image() : readImage(file);
 }
 
+void runManifest(const BakeArguments& arguments)
+{
+    const baker::ManifestResult result = baker::bakeManifest(arguments.manifest, arguments.options, true);
+    if (result.failures.empty())
+        return;
+    std::string names; // a failure is "output: why"
+    for (const std::string& failure : result.failures)
+        names += (names.empty() ? "" : ", ") + failure.substr(0, failure.find(": "));
+    throw Error(fmt::format("{}: {} of {} maps failed: {}", arguments.manifest.string(),
+                            result.failures.size(), result.failures.size() + result.baked + result.upToDate,
+                            names));
+}
+
 } // namespace
 
 void runBake(const BakeArguments& arguments)
 {
+    if (!arguments.manifest.empty())
+        return runManifest(arguments);
     const auto start = std::chrono::steady_clock::now();
     checkWritable(arguments.output);
+    for (const auto& file : arguments.reports)
+        checkWritable(file);
     baker::Maps maps;
     maps.height = readIfNamed(arguments.height);
     maps.heightScale = arguments.heightScale;
@@ -63,16 +82,27 @@ void runBake(const BakeArguments& arguments)
     readColourOption(arguments.specular, maps.specularConstant, maps.specular);
     readColourOption(arguments.diffuse, maps.diffuseConstant, maps.diffuse);
 
-    baker::ReflectanceMips mips;
-    {
-        Progress progress("bake " + arguments.output.filename().string(), baker::progressUnits(maps));
-        mips = baker::bake(maps, arguments.options, &progress);
-    }
+    const auto secondsSince = [](std::chrono::steady_clock::time_point from) {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+    };
+    const std::string name = arguments.output.filename().string();
+    Progress progress("bake " + name,
+                      baker::progressUnits(maps) +
+                          (arguments.reports.empty() ? 0 : baker::measureUnits(maps, arguments.options)));
+    const auto bakeStart = std::chrono::steady_clock::now();
+    const baker::ReflectanceMips mips = baker::bake(maps, arguments.options, &progress);
+    const double bakeSeconds = secondsSince(bakeStart);
     baker::writeExr(arguments.output, mips, arguments.asFloat);
     const auto& base = mips.levels.front();
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    fmt::print("{}: {} x {}, {} levels, {} {}, {:.2f} s\n", arguments.output.string(), base.width,
-               base.height, mips.levels.size(), mips.method, mips.model, seconds);
+    progress.print(fmt::format("{}: {} x {}, {} levels, {} {}, {:.2f} s", arguments.output.string(),
+                               base.width, base.height, mips.levels.size(), mips.method, mips.model,
+                               secondsSince(start)));
+    if (arguments.reports.empty())
+        return;
+    baker::Report report = baker::makeReport(maps, arguments.options, mips, bakeSeconds, &progress);
+    report.name = name;
+    for (const auto& file : arguments.reports)
+        baker::writeReport(file, report);
 }
 
 } // namespace lumel

@@ -18,7 +18,10 @@ struct BakeArguments {
     baker::Wrap wrap = baker::Wrap::repeat;
     baker::Options options;
     bool asFloat = false;
+    std::vector<std::filesystem::path> reports; // .json, .html
+    std::filesystem::path manifest;             // bakes what it lists, in place of all others
 };
+// Throws Error naming what failed when a manifest's entries do.
 void runBake(const BakeArguments& arguments);
 
 struct ShotArguments {

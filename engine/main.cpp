@@ -4,6 +4,7 @@
 #include "core/log.h"
 #include "core/progress.h"
 #include <CLI/CLI.hpp>
+#include <set>
 
 namespace {
 
@@ -69,11 +70,29 @@ void addBake(CLI::App& app, BakeArguments& a)
         ->default_str("fit");
     command->add_option("--threads", a.options.threads, "0 = all cores")->check(CLI::Range(0, 1024));
     command->add_flag("--float", a.asFloat, "store single precision in place of half");
-    command->add_option("-o,--output", a.output, "OpenEXR file to write")->required();
-    command->callback([&a, command] {
+    command->add_option("-o,--output", a.output, "OpenEXR file to write");
+    command->add_option("--report", a.reports, "write how exact the bake is: .json, .html; may be repeated")
+        ->take_all()
+        ->expected(1)
+        ->check(CLI::Validator(
+            [](const std::string& file) {
+                const bool known = file.ends_with(".json") || file.ends_with(".html");
+                return known ? std::string() : file + ": end the name in .json or .html";
+            },
+            ""));
+    auto* manifest = command->add_option("--manifest", a.manifest, "bake the maps that this JSON file lists");
+    command->callback([&a, command, manifest] {
+        if (manifest->count() > 0) {
+            const std::set<std::string> defaults{"--manifest", "--threads", "--method", "--model"};
+            for (const CLI::Option* option : command->get_options())
+                if (option->count() > 0 && !defaults.contains(option->get_name()))
+                    throw CLI::ExcludesError("--manifest", option->get_name());
+            return;
+        }
         if (a.height.empty() && a.normal.empty())
             throw CLI::RequiredError("--height or --normal");
-        (void)command;
+        if (a.output.empty())
+            throw CLI::RequiredError("--output");
     });
 }
 
@@ -201,7 +220,7 @@ int main(int argc, char** argv)
     try {
         return run(argc, argv);
     } catch (const Interrupted&) {
-        std::fputs("lumel: interrupted; nothing was written\n", stderr);
+        std::fputs("lumel: interrupted; nothing unfinished was written\n", stderr);
         return 130;
     } catch (const std::bad_alloc&) {
         std::fputs("lumel: out of memory; use smaller maps or a smaller --size\n", stderr);

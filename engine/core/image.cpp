@@ -111,6 +111,21 @@ void writeImage(const std::filesystem::path& file, const Image& image)
     });
 }
 
+std::vector<unsigned char> encodePng(const Image& image)
+{
+    std::vector<unsigned char> bytes;
+    OIIO::Filesystem::IOVecOutput memory(bytes);
+    auto output = OIIO::ImageOutput::create("png");
+    OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeDesc::UINT8);
+    spec.attribute("DateTime", "1970:01:01 00:00:00");
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    if (!output || !output->set_ioproxy(&memory) || !output->open("memory.png", spec) ||
+        !output->write_image(OIIO::TypeDesc::FLOAT, image.pixels.data()) || !output->close())
+        throw Error(fmt::format("a picture cannot be encoded as PNG ({})",
+                                firstLine(output ? output->geterror() : OIIO::geterror())));
+    return bytes;
+}
+
 void floatsToHalf(std::span<const float> from, uint16_t* to)
 {
     OIIO::convert_pixel_values(OIIO::TypeDesc::FLOAT, from.data(), OIIO::TypeDesc::HALF, to,

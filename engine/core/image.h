@@ -36,6 +36,9 @@ Image readImage(std::span<const std::byte> bytes, const std::string& name);
 // .png and .jpg store 8 bit (values clamped to [0, 1] and rounded; the caller applies sRGB).
 void writeImage(const std::filesystem::path& file, const Image& image);
 
+// The bytes of an 8-bit PNG file of the image (values as for writeImage): pictures inside other files.
+std::vector<unsigned char> encodePng(const Image& image);
+
 // IEEE half floats, rounded to nearest; values beyond +-65504 become infinities.
 void floatsToHalf(std::span<const float> from, uint16_t* to);
 void halfToFloats(std::span<const uint16_t> from, float* to);

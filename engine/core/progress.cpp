@@ -35,6 +35,11 @@ Progress::Progress(std::string label, size_t total)
 {
 }
 
+Progress::Progress(Progress& whole, size_t share, size_t total)
+    : total_(std::max<size_t>(total, 1)), terminal_(false), whole_(&whole), share_(share)
+{
+}
+
 Progress::~Progress()
 {
     if (!drawn_)
@@ -47,7 +52,11 @@ void Progress::advance(size_t units)
 {
     if (interrupted())
         throw Interrupted();
-    done_ += units;
+    const size_t before = done_.fetch_add(units);
+    if (whole_) {
+        const auto part = [&](size_t done) { return share_ * std::min(done, total_) / total_; };
+        whole_->advance(part(before + units) - part(before));
+    }
     if (!terminal_)
         return;
     const auto elapsed = std::chrono::steady_clock::now() - start_;
@@ -58,6 +67,23 @@ void Progress::advance(size_t units)
     std::lock_guard lock(mutex_);
     drawn_ = true;
     draw();
+}
+
+void Progress::advanceTo(size_t units)
+{
+    const size_t done = done_;
+    advance(units > done ? units - done : 0);
+}
+
+void Progress::print(const std::string& line)
+{
+    std::lock_guard lock(mutex_);
+    if (drawn_)
+        std::fputs("\r\033[K", stderr); // erase the line (ECMA-48)
+    drawn_ = false;
+    std::fflush(stderr);
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
 }
 
 void Progress::draw()

@@ -12,12 +12,18 @@ namespace lumel {
 class Progress {
 public:
     explicit Progress(std::string label, size_t total);
+    // A part of `whole`: `total` units here are `share` units there.
+    Progress(Progress& whole, size_t share, size_t total);
     ~Progress(); // ends the line
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
     // Work done since the last call. Throws Interrupted after Ctrl-C.
     void advance(size_t units);
+    // Work done since the start, if that is more than was counted.
+    void advanceTo(size_t units);
+    // One line of results on stdout, clear of the progress line.
+    void print(const std::string& line);
 
 private:
     void draw();
@@ -29,6 +35,8 @@ private:
     std::mutex mutex_;
     bool terminal_;
     bool drawn_ = false;
+    Progress* whole_ = nullptr;
+    size_t share_ = 0;
 };
 
 // Installs handlers for SIGINT and SIGTERM that only set a flag; a second signal ends the process.

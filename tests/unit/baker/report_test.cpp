@@ -35,8 +35,8 @@ TEST(Report, PageIsSelfContained)
     Options options;
     options.reduce = 1;
     const ReflectanceMips mips = bake(maps, options);
-    const std::string page = reportHtml(maps, options, mips, makeReport(maps, options, mips, 0.1));
-    EXPECT_NE(page.find("data:image/bmp;base64,"), std::string::npos);
+    const std::string page = reportHtml(makeReport(maps, options, mips, 0.1));
+    EXPECT_NE(page.find("data:image/png;base64,"), std::string::npos);
     EXPECT_EQ(page.find("http"), std::string::npos);
     EXPECT_EQ(page.find("<script"), std::string::npos);
     for (const char* word : {"best", "median", "worst", "lean", "toksvig"})
@@ -46,6 +46,6 @@ TEST(Report, PageIsSelfContained)
 TEST(Report, OtherExtensionsAreRefused)
 {
     const Maps maps = heightMaps(bumps(4, 4), 0.2f, 120.0f);
-    EXPECT_THROW(writeReport("/tmp/report.txt", maps, {}, bake(maps, {}), 0.0), Error);
+    EXPECT_THROW(writeReport("/tmp/report.txt", makeReport(maps, {}, bake(maps, {}), 0.0)), Error);
 }
 } // namespace lumel::baker
