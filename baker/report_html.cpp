@@ -16,7 +16,7 @@ h1{font-size:27px;font-weight:600;margin:0;color:#fff;overflow-wrap:anywhere}
 h2{font-size:18px;font-weight:600;margin:44px 0 6px;color:#fff}
 p{margin:4px 0 14px;color:#98a3b8;max-width:1000px}
 .cards{display:flex;flex-wrap:wrap;gap:10px;margin:22px 0 8px}
-.card{background:#171a23;border:1px solid #242936;border-radius:10px;padding:11px 15px 12px;flex:1 0 auto}
+.card{background:#171a23;border:1px solid #242936;border-radius:10px;padding:11px 13px 12px;flex:none}
 .card b{display:block;font-size:19px;font-weight:600;color:#fff;font-variant-numeric:tabular-nums}
 .card span{color:#98a3b8;font-size:12.5px;white-space:nowrap}
 .panel{background:#141720;border:1px solid #242936;border-radius:12px;padding:18px}
