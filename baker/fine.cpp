@@ -99,8 +99,14 @@ void FineTile::addTexel(int number, int x, int y)
     TexelTask task = chain_.makeTask(number, x, y, sum.mean());
     Shape same;
     task.uniform = chain_.options_.method == Method::fit && sameLobe(lobes_, members_, same);
-    if (task.uniform)
+    if (task.uniform) { // nothing to fit: its error is 0 without looking
         task.shape = same;
+        nodes_.clear();
+        nodes_.pad();
+        averager_.average(lobes_, {}, false, nodes_);
+        solver_.add(task, nodes_, averager_.g());
+        return;
+    }
     if (task.childCount == 0 && chain_.options_.method == Method::fit)
         addQuadrants(task);
     lattice_.plan(lobes_, members_, task.mean, nodes_);
