@@ -77,6 +77,8 @@ void runBake(const BakeArguments& arguments)
     maps.wrap = arguments.wrap;
     maps.power = readIfNamed(arguments.powerMap);
     maps.powerConstant = arguments.power;
+    if (arguments.anisotropicPower.size() == 2)
+        maps.anisotropicPower = {arguments.anisotropicPower[0], arguments.anisotropicPower[1]};
     maps.roughness = readIfNamed(arguments.roughness);
     maps.tangentRotation = readIfNamed(arguments.tangentRotation);
     readColourOption(arguments.specular, maps.specularConstant, maps.specular);

@@ -15,6 +15,7 @@ struct BakeArguments {
     std::string normalGreen = "up";
     std::string specular = "0.04", diffuse = "0"; // a number, r,g,b or an image
     float power = 200.0f;
+    std::vector<float> anisotropicPower; // along T and B; empty = isotropic
     baker::Wrap wrap = baker::Wrap::repeat;
     baker::Options options;
     bool asFloat = false;

@@ -30,8 +30,13 @@ std::string parsePoint(const std::string& text, std::optional<glm::vec3>& point)
     return {};
 }
 
-const std::map<std::string, baker::Method> kMethods = {{"fit", baker::Method::fit},
-                                                       {"average", baker::Method::average}};
+const std::map<std::string, baker::Method> kMethods = {
+    {"fit", baker::Method::fit},       {"average", baker::Method::average}, {"flat", baker::Method::flat},
+    {"height", baker::Method::height}, {"toksvig", baker::Method::toksvig}, {"lean", baker::Method::lean}};
+constexpr const char* kMethodHelp =
+    "how coarser texels are made: fit, average, flat, height, toksvig or lean";
+const std::map<std::string, baker::Reconstruction> kReconstructions = {
+    {"box", baker::Reconstruction::box}, {"bilinear", baker::Reconstruction::bilinear}};
 const std::map<std::string, baker::Model> kModels = {{"ashikhmin-shirley", baker::Model::ashikhminShirley},
                                                      {"blinn-phong", baker::Model::blinnPhong}};
 const std::map<std::string, Shading> kShadings = {
@@ -60,14 +65,27 @@ void addBake(CLI::App& app, BakeArguments& a)
     command->add_option("--power-map", a.powerMap, "Blinn-Phong power, as stored (channel 0, float image)");
     command->add_option("--roughness", a.roughness,
                         "glTF perceptual roughness (channel 0) in place of a power");
+    command
+        ->add_option("--anisotropic-power", a.anisotropicPower,
+                     "base power along T and B in place of one power: --anisotropic-power 400 20")
+        ->expected(2)
+        ->check(CLI::PositiveNumber);
+    command->add_option("--tangent-rotation", a.tangentRotation,
+                        "turns the anisotropy axes by 0 to pi (channel 0 from 0 to 1)");
     command->add_option("--specular", a.specular, "Ks: a number, r,g,b or an image")->capture_default_str();
     command->add_option("--diffuse", a.diffuse, "Kd: a number, r,g,b or an image")->capture_default_str();
     command->add_option("--model", a.options.model, "lobe to fit: ashikhmin-shirley or blinn-phong")
         ->transform(CLI::CheckedTransformer(kModels).description(""))
         ->default_str("ashikhmin-shirley");
-    command->add_option("--method", a.options.method, "how coarser texels are made: fit or average")
+    command->add_option("--method", a.options.method, kMethodHelp)
         ->transform(CLI::CheckedTransformer(kMethods).description(""))
         ->default_str("fit");
+    command->add_option("--reduce", a.options.reduce, "drop the N finest levels: level 0 is then fitted")
+        ->check(CLI::Range(0, 13));
+    command
+        ->add_option("--reconstruction", a.options.reconstruction, "what a texel stands for: box or bilinear")
+        ->transform(CLI::CheckedTransformer(kReconstructions).description(""))
+        ->default_str("box");
     command->add_option("--threads", a.options.threads, "0 = all cores")->check(CLI::Range(0, 1024));
     command->add_flag("--float", a.asFloat, "store single precision in place of half");
     command->add_option("-o,--output", a.output, "OpenEXR file to write");
@@ -136,7 +154,7 @@ void addShot(CLI::App& app, ShotArguments& a)
     command->add_option("--shading", a.settings.shading, "tsl, forward or reference")
         ->transform(CLI::CheckedTransformer(kShadings).description(""))
         ->default_str("tsl");
-    command->add_option("--filter", a.filter, "how materials' MIPs are made: fit or average")
+    command->add_option("--filter", a.filter, kMethodHelp)
         ->transform(CLI::CheckedTransformer(kMethods).description(""))
         ->default_str("fit");
     command->add_option("--model", a.model, "lobe of materials: ashikhmin-shirley or blinn-phong")
