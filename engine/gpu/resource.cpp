@@ -12,8 +12,7 @@ Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string&
     using Usage = vk::BufferUsageFlagBits;
     buffer_ = vk::raii::Buffer(device.handle(), {.size = size_,
                                                  .usage = Usage::eStorageBuffer | Usage::eTransferSrc |
-                                                          Usage::eTransferDst | Usage::eIndirectBuffer |
-                                                          Usage::eIndexBuffer | Usage::eShaderDeviceAddress});
+                                                          Usage::eTransferDst | Usage::eShaderDeviceAddress});
     using Property = vk::MemoryPropertyFlagBits;
     const auto wanted = home == Home::host ? Property::eHostVisible | Property::eHostCoherent
                                            : vk::MemoryPropertyFlags(Property::eDeviceLocal);

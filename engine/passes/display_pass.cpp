@@ -48,8 +48,7 @@ void DisplayPass::accumulate(Frame& frame)
     frame.commands.bindPipeline(vk::PipelineBindPoint::eCompute, *accumulate_.handle);
     frame.commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *accumulate_.layout, 0,
                                       *accumulateSet_, nullptr);
-    pushConstants(frame.commands, accumulate_,
-                  shared::DisplayPush{.view = frame.view, .weight = 1.0f, .encode = 0});
+    pushConstants(frame.commands, accumulate_, shared::DisplayPush{.view = frame.view, .weight = 1.0f});
     const glm::uvec2 size = frame.settings.size;
     frame.commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
 }
@@ -69,8 +68,7 @@ void DisplayPass::record(Frame& frame, int sampleCount)
     commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *display_.layout, 0,
                                 sampleCount ? *sumSet_ : *hdrSet_, nullptr);
     pushConstants(commands, display_,
-                  shared::DisplayPush{
-                      .view = frame.view, .weight = 1.0f / float(std::max(sampleCount, 1)), .encode = 1});
+                  shared::DisplayPush{.view = frame.view, .weight = 1.0f / float(std::max(sampleCount, 1))});
     const glm::uvec2 size = frame.settings.size;
     commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
     gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,

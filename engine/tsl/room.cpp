@@ -44,7 +44,7 @@ Room assignRoom(TexturePool& pool, std::span<const ObjectNeed> needs, uint64_t f
         if (!needs[i].visible || !needs[i].lightable)
             continue;
         const uint32_t level = litLevelFor(needs[i].level, room.levelBias, needs[i].litSize);
-        if (const auto texture = pool.acquire(int(i), textureSize(needs[i], level), level, frame))
+        if (const auto texture = pool.acquire(int(i), textureSize(needs[i], level), frame))
             room.objects[i] = {*texture, level};
     }
     return room;

@@ -11,8 +11,8 @@ namespace lumel::tsl {
 inline constexpr int kGutter = 3;
 
 struct TexelMap {
-    glm::uvec2 size{0};   // lumels of level 0, powers of two
-    uint32_t levels = 0;  // down to 1 x 1
+    glm::uvec2 size{0};                                 // lumels of level 0, powers of two
+    uint32_t levels = 0;                                // down to 1 x 1
     std::array<uint32_t, shared::kMaxLevels> offsets{}; // first entry of each level
     // Triangle + 1 in the low 24 bits (0: no surface near), coverage 0..255 in the high 8 (0: gutter).
     // Coverage is the share of the lumel that charts cover, at the resolution of level-0 lumel centres.
@@ -32,10 +32,10 @@ TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size);
 // The 8x8 tiles of a level that hold at least one lumel with a triangle, row by row: (x, y) in tiles.
 std::vector<glm::uvec2> occupiedTiles(const TexelMap& map, uint32_t level);
 
-// Level-0 lumel grid of an object whose material is width x height texels: twice the next power of two, because
-// light reflected by interpolated normals varies faster than the normals do (measured on the record's grooves,
-// near: 34.5 dB against the reference, 24.5 dB with lumels as large as texels). Only views that need that level
-// light it. At least kMinGrid, so that light still varies over a plain colour; at most kMaxGrid.
+// Level-0 lumel grid of an object whose material is width x height texels: twice the next power of two,
+// because light reflected by interpolated normals varies faster than the normals do (measured on the record's
+// grooves, near: 34.5 dB against the reference, 24.5 dB with lumels as large as texels). Only views that need
+// that level light it. At least kMinGrid, so that light still varies over a plain colour; at most kMaxGrid.
 inline constexpr uint32_t kMinGrid = 1024, kMaxGrid = 8192;
 glm::uvec2 lumelGrid(int materialWidth, int materialHeight);
 

@@ -59,40 +59,36 @@ int TexturePool::addTexture(glm::uvec2 size)
     const auto dead =
         std::find_if(textures_.begin(), textures_.end(), [](const auto& t) { return !t.alive; });
     const int index = int(dead - textures_.begin());
-    if (dead == textures_.end()) {
+    if (dead == textures_.end())
         textures_.emplace_back();
-        fresh_.push_back(false);
-    }
     textures_[size_t(index)] = {.size = size, .alive = true};
     return index;
 }
 
-int TexturePool::claim(int texture, int object, uint32_t litLevel, uint64_t frame, bool fresh)
+int TexturePool::claim(int texture, int object, uint64_t frame)
 {
     PoolTexture& t = textures_[size_t(texture)];
-    fresh_[size_t(texture)] = fresh || t.litLevel != litLevel;
     t.owner = object;
-    t.litLevel = litLevel;
     t.lastUsed = frame;
     return texture;
 }
 
-std::optional<int> TexturePool::acquire(int object, glm::uvec2 size, uint32_t litLevel, uint64_t frame)
+std::optional<int> TexturePool::acquire(int object, glm::uvec2 size, uint64_t frame)
 {
     if (const auto own = findOwn(object, size))
-        return claim(*own, object, litLevel, frame, false);
+        return claim(*own, object, frame);
     // New memory before taking over: an object out of sight for a moment then keeps its lumels.
     const size_t bytes = poolTextureBytes(size);
     if (usedBytes_ + bytes <= capBytes_) {
         for (size_t i = 0; i < textures_.size(); ++i)
             if (textures_[i].alive && textures_[i].owner < 0 && textures_[i].size == size)
-                return claim(int(i), object, litLevel, frame, true);
-        return claim(addTexture(size), object, litLevel, frame, true);
+                return claim(int(i), object, frame);
+        return claim(addTexture(size), object, frame);
     }
     if (const auto old = findRecyclable(size, frame))
-        return claim(*old, object, litLevel, frame, true);
+        return claim(*old, object, frame);
     if (makeRoom(bytes, frame))
-        return claim(addTexture(size), object, litLevel, frame, true);
+        return claim(addTexture(size), object, frame);
     return std::nullopt;
 }
 

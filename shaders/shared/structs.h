@@ -127,7 +127,6 @@ LUMEL_CONST uint kFilterCatmullRom = 2u;
 struct DisplayPush {
     LUMEL_ADDRESS(Views) view;
     float weight; // of the accumulated sum: 1 / samples
-    uint encode;  // 1: tone map and encode sRGB, 0: linear radiance
 };
 
 LUMEL_SHARED_END

@@ -141,7 +141,6 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(DrawPush, level);
     EXPECT_OFFSET(DisplayPush, view);
     EXPECT_OFFSET(DisplayPush, weight);
-    EXPECT_OFFSET(DisplayPush, encode);
 }
 
 TEST(SharedStructs, ArrayStridesEqualTheSizes)

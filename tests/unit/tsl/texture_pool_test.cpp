@@ -26,45 +26,43 @@ TEST(TexturePool, CountsTheFullMipChain)
     EXPECT_EQ(poolTextureBytes({4, 1}), (4u + 2u + 1u) * 8u);
 }
 
-TEST(TexturePool, AnObjectKeepsItsTextureWhileItsLevelStays)
+TEST(TexturePool, AnObjectKeepsItsTextureWhileItsSizeStays)
 {
     TexturePool pool(10 * kBytes64);
-    const int first = *pool.acquire(7, {64, 64}, 2, 1);
-    EXPECT_TRUE(pool.isFresh(first));
-    const int again = *pool.acquire(7, {64, 64}, 2, 2);
+    const int first = *pool.acquire(7, {64, 64}, 1);
+    const int again = *pool.acquire(7, {64, 64}, 2);
     EXPECT_EQ(again, first);
-    EXPECT_FALSE(pool.isFresh(again));
     EXPECT_EQ(pool.usedBytes(), kBytes64);
 }
 
 TEST(TexturePool, TheLeastRecentlyUsedIsTakenOverFirst)
 {
     TexturePool pool(3 * kBytes64);
-    const int a = *pool.acquire(0, {64, 64}, 0, 1);
-    const int b = *pool.acquire(1, {64, 64}, 0, 2);
-    const int c = *pool.acquire(2, {64, 64}, 0, 3);
-    EXPECT_EQ(*pool.acquire(0, {64, 64}, 0, 4), a); // refreshed
-    EXPECT_EQ(*pool.acquire(3, {64, 64}, 0, 5), b);
-    EXPECT_EQ(*pool.acquire(4, {64, 64}, 0, 6), c);
+    const int a = *pool.acquire(0, {64, 64}, 1);
+    const int b = *pool.acquire(1, {64, 64}, 2);
+    const int c = *pool.acquire(2, {64, 64}, 3);
+    EXPECT_EQ(*pool.acquire(0, {64, 64}, 4), a); // refreshed
+    EXPECT_EQ(*pool.acquire(3, {64, 64}, 5), b);
+    EXPECT_EQ(*pool.acquire(4, {64, 64}, 6), c);
     EXPECT_EQ(pool.usedBytes(), 3 * kBytes64);
 }
 
 TEST(TexturePool, WhatThisFrameUsesIsNeverTakenAway)
 {
     TexturePool pool(2 * kBytes64);
-    ASSERT_TRUE(pool.acquire(0, {64, 64}, 0, 1));
-    ASSERT_TRUE(pool.acquire(1, {64, 64}, 0, 1));
-    EXPECT_FALSE(pool.acquire(2, {64, 64}, 0, 1));
-    EXPECT_FALSE(pool.acquire(3, {32, 32}, 0, 1));
-    EXPECT_TRUE(pool.acquire(2, {64, 64}, 0, 2));
+    ASSERT_TRUE(pool.acquire(0, {64, 64}, 1));
+    ASSERT_TRUE(pool.acquire(1, {64, 64}, 1));
+    EXPECT_FALSE(pool.acquire(2, {64, 64}, 1));
+    EXPECT_FALSE(pool.acquire(3, {32, 32}, 1));
+    EXPECT_TRUE(pool.acquire(2, {64, 64}, 2));
 }
 
 TEST(TexturePool, OtherClassesGiveUpMemoryWhenTheCapBinds)
 {
     TexturePool pool(poolTextureBytes({128, 128}));
     for (int i = 0; i < 4; ++i)
-        ASSERT_TRUE(pool.acquire(i, {64, 64}, 0, 1));
-    ASSERT_TRUE(pool.acquire(9, {128, 128}, 0, 2));
+        ASSERT_TRUE(pool.acquire(i, {64, 64}, 1));
+    ASSERT_TRUE(pool.acquire(9, {128, 128}, 2));
     EXPECT_LE(pool.usedBytes(), pool.capBytes());
     EXPECT_EQ(pool.usedBytes(), sumOfBytes(pool));
 }
@@ -80,7 +78,7 @@ TEST(TexturePool, NeverPassesTheCapOverManyFrames)
             if (random >> 30 != 0)
                 continue;
             const uint32_t side = 8u << ((random >> 8) % 5);
-            if (const auto texture = pool.acquire(object, {side, side}, 0, frame))
+            if (const auto texture = pool.acquire(object, {side, side}, frame))
                 owned.push_back(*texture);
             ASSERT_LE(pool.usedBytes(), pool.capBytes());
             ASSERT_EQ(pool.usedBytes(), sumOfBytes(pool));
