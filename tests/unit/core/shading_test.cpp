@@ -107,7 +107,9 @@ TEST(Lights, SpotLightsAreFullInsideAndDarkOutside)
     light.intensity = vec3(1.0f);
     light.coneScale = 1.0f / (inner - outer);
     light.coneOffset = -outer * light.coneScale;
-    const auto at = [&](float angle) { return incidentLight(light, {std::sin(angle), 0, -std::cos(angle)}).irradiance.x; };
+    const auto at = [&](float angle) {
+        return incidentLight(light, {std::sin(angle), 0, -std::cos(angle)}).irradiance.x;
+    };
     EXPECT_NEAR(at(0.1f), 1.0f, 1e-5f);
     EXPECT_GT(at(0.3f), at(0.4f));
     EXPECT_EQ(at(0.6f), 0.0f);
