@@ -101,7 +101,7 @@ void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
                                      .anisotropy = settings_.anisotropy,
                                      .sizePixels = settings_.size,
                                      .lights = scene_.lights(),
-                                     .objects = scene_.writeObjects(frame.room)};
+                                     .objects = scene_.objectTable()};
 }
 
 FrameStats Renderer::render(const scene::Camera& camera)
@@ -126,6 +126,7 @@ FrameStats Renderer::render(const scene::Camera& camera)
                 .needs = {},
                 .room = {}};
     frame.inView = scene_.objectsInView(frame.clipFromWorld);
+    scene_.writeObjects(frame.room);
     writeView(frame, glm::vec2(0.0f));
     begin(frame);
     recordFrame(frame);

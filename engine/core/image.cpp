@@ -1,6 +1,7 @@
 #include "image.h"
 #include "error.h"
 #include "file.h"
+#include "shared/tonemap.h"
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <cmath>
@@ -145,7 +146,7 @@ float srgbToLinear(float encoded)
 
 float linearToSrgb(float linear)
 {
-    return linear <= 0.0031308f ? linear * 12.92f : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
+    return shared::encodeSrgb(linear); // the one that the display pass runs
 }
 
 } // namespace lumel

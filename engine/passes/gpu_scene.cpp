@@ -176,7 +176,7 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     objects_.push_back(result);
 }
 
-vk::DeviceAddress GpuScene::writeObjects(const tsl::Room& room)
+void GpuScene::writeObjects(const tsl::Room& room)
 {
     auto* table = objectTable_.mapped<shared::Object>();
     for (size_t i = 0; i < objects_.size(); ++i) {
@@ -184,7 +184,6 @@ vk::DeviceAddress GpuScene::writeObjects(const tsl::Room& room)
         if (i < room.objects.size())
             table[i].litLevel = room.objects[i].litLevel;
     }
-    return objectTable_.address();
 }
 
 std::vector<uint8_t> GpuScene::objectsInView(const glm::mat4& clipFromWorld) const

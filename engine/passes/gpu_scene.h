@@ -46,9 +46,10 @@ public:
     glm::vec3 skyRadiance() const { return sky_; }
     glm::vec3 groundRadiance() const { return ground_; }
 
-    // Writes this frame's object table and returns its address. Frames are waited for, so one table serves
-    // all.
-    vk::DeviceAddress writeObjects(const tsl::Room& room);
+    // This frame's objects with the lit textures of `room` (none when empty). Frames are waited for, so one
+    // table serves all.
+    void writeObjects(const tsl::Room& room);
+    vk::DeviceAddress objectTable() const { return objectTable_.address(); }
 
     // Per object: does its box meet the view volume?
     std::vector<uint8_t> objectsInView(const glm::mat4& clipFromWorld) const;

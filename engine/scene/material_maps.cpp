@@ -3,6 +3,7 @@
 //   Kd = c (1 - m)
 // Colours are sRGB in images and linear as factors; image and factor are multiplied.
 #include "material_maps.h"
+#include "baker/footprint.h"
 #include "core/error.h"
 #include <array>
 #include <fmt/format.h>
@@ -163,33 +164,16 @@ void setRoughness(const Material& material, const Image* metallicRoughness, bake
     maps.powerConstant = baker::powerFromRoughness(constant);
 }
 
-// The range of texels [begin, end) of `from`, and their weights at both ends, that texel i of `to` covers.
-struct Footprint {
-    int begin, end;
-    float first, last;
-    Footprint(int i, int from, int to)
-    {
-        const double lower = double(i) * from / to, upper = double(i + 1) * from / to;
-        begin = int(lower);
-        end = std::min(int(std::ceil(upper)), from);
-        first = float(begin + 1 - lower);
-        last = float(upper - (end - 1));
-        if (end - begin == 1)
-            first = last = float(upper - lower);
-    }
-    float weight(int at) const { return at == begin ? first : at == end - 1 ? last : 1.0f; }
-};
-
 Image halved(const Image& in)
 {
     Image out(std::max(1, in.width / 2), std::max(1, in.height / 2), in.channels);
     const float area = float(in.width) / float(out.width) * float(in.height) / float(out.height);
     for (int y = 0; y < out.height; ++y) {
-        const Footprint rows(y, in.height, out.height);
+        const baker::Footprint rows(y, out.height, in.height);
         for (int x = 0; x < out.width; ++x) {
-            const Footprint columns(x, in.width, out.width);
-            for (int sy = rows.begin; sy < rows.end; ++sy)
-                for (int sx = columns.begin; sx < columns.end; ++sx) {
+            const baker::Footprint columns(x, out.width, in.width);
+            for (int sy = rows.first; sy < rows.last; ++sy)
+                for (int sx = columns.first; sx < columns.last; ++sx) {
                     const float weight = rows.weight(sy) * columns.weight(sx) / area;
                     for (int c = 0; c < in.channels; ++c)
                         out.at(x, y)[c] += weight * in.at(sx, sy)[c];
