@@ -3,64 +3,141 @@
 
 namespace lumel::baker {
 
-Averager::Averager(bool isotropicBase, bool colouredSpecular)
-    : kernels_(kernels()), isotropic_(isotropicBase), channels_(colouredSpecular ? 3 : 1)
+Averager::Averager(const Source& source)
+    : kernels_(kernels()), source_(source), channels_(source.colouredSpecular() ? 3 : 1)
 {
 }
 
-LobeTerm Averager::term(const Lobes& lobes, const Member& member, bool black, int channel) const
+// The lobe as the kernels take it; its amplitude for each channel.
+LobeTerm Averager::term(const Lobes& lobes, const Member& member, bool black, float* amplitudes) const
 {
     const size_t m = member.lobe;
     const float inverseDet = 1.0f / (lobes.sxx[m] * lobes.syy[m] - lobes.sxy[m] * lobes.sxy[m]);
-    const float ks = black            ? 1.0f
-                     : channels_ == 3 ? lobes.ks[channel][m]
-                                      : float(luminance({lobes.ks[0][m], lobes.ks[1][m], lobes.ks[2][m]}));
+    const float energy = member.area * std::sqrt(inverseDet);
+    for (int c = 0; c < channels_; ++c) {
+        const float ks = black ? 1.0f
+                         : channels_ == 3
+                             ? lobes.ks[c][m]
+                             : float(luminance({lobes.ks[0][m], lobes.ks[1][m], lobes.ks[2][m]}));
+        amplitudes[c] = energy * ks;
+    }
     return {lobes.nx[m],
             lobes.ny[m],
             lobes.nz[m],
             lobes.syy[m] * inverseDet,
             -lobes.sxy[m] * inverseDet,
             lobes.sxx[m] * inverseDet,
-            member.share * ks * std::sqrt(inverseDet)};
+            amplitudes[0]};
 }
 
-void Averager::average(const Lobes& lobes, const std::vector<Member>& members, bool black,
-                       const NodeSet& nodes)
+bool Averager::reachesRim(const Lobes& lobes, const std::vector<Member>& members, double power)
+{
+    if (power > kRimRulePower)
+        return false;
+    for (const Member& member : members) {
+        const double nz = lobes.nz[member.lobe], r2 = 1.0 - nz * nz;
+        if (r2 > 0.5 && power * std::log(r2) > -7.0)
+            return true;
+    }
+    return false;
+}
+
+void Averager::gather(const Lobes& lobes, const std::vector<Member>& members, const Nodes* shared,
+                      bool isBlack, Cell& cell)
+{
+    cell.clear();
+    for (const Member& member : members)
+        cell.add(lobes, member.lobe, member.area);
+    if (shared || !cell.uniform)
+        average(lobes, members, shared, isBlack, cell);
+}
+
+void Averager::average(const Lobes& lobes, const std::vector<Member>& members, const Nodes* shared,
+                       bool isBlack, Cell& cell)
+{
+    Patch& patch = cell.patch;
+    const bool black = shared ? isBlack : luminance(cell.sum.ks) <= 0.0;
+    const double narrow = cell.sum.energyNarrow / cell.sum.energy;
+    if (shared)
+        patch.nodes = *shared;
+    else if (narrow <= kDiscRulePower || reachesRim(lobes, members, narrow))
+        patch.nodes = {0.0f, &discRule(narrow)};
+    else
+        patch.nodes = {float(kSpacing / std::sqrt(narrow)), nullptr};
+    if (patch.nodes.rule) {
+        sumOnRule(lobes, members, black, patch);
+        return;
+    }
+    place(lobes, members, patch);
+    if (const size_t points = patch.size(); !shared && points > size_t(kMaxNodes)) {
+        patch.nodes.spacing *= std::sqrt(float(points) / float(kMaxNodes));
+        place(lobes, members, patch);
+    }
+    sumOnLattice(lobes, members, black, patch);
+}
+
+void Averager::sumOnRule(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch)
 {
     constexpr size_t kChunk = 128; // terms that stay in the first-level cache while nodes pass by
+    patch.reset(patch.nodes, {}, {}, channels_);
+    const NodeSet& nodes = *patch.nodes.rule;
     const NodeList list{int(nodes.size()), nodes.x.data(), nodes.y.data(), nodes.z.data(), nullptr};
-    for (int c = 0; c < channels_; ++c) {
-        g_[c].assign(nodes.size(), 0.0f);
-        pointers_[c] = g_[c].data();
+    for (int c = 0; c < channels_; ++c)
         for (size_t first = 0; first < members.size(); first += kChunk) {
             terms_.clear();
-            for (size_t i = first; i < std::min(first + kChunk, members.size()); ++i)
-                terms_.push_back(term(lobes, members[i], black, c));
-            kernels_.average(terms_.data(), int(terms_.size()), isotropic_, list, g_[c].data());
+            for (size_t i = first; i < std::min(first + kChunk, members.size()); ++i) {
+                float amplitudes[3];
+                terms_.push_back(term(lobes, members[i], black, amplitudes));
+                terms_.back().amplitude = amplitudes[c];
+            }
+            kernels_.average(terms_.data(), int(terms_.size()), source_.isotropic(), list,
+                             patch.g.data() + size_t(c) * nodes.size());
         }
-    }
 }
 
-void Averager::scatter(const Lobes& lobes, const std::vector<Member>& members, bool black,
-                       const SharedLattice& lattice, float* sums)
+// The lattice points that the lobes need.
+void Averager::place(const Lobes& lobes, const std::vector<Member>& members, Patch& patch)
 {
-    const NodeSet& nodes = lattice.nodes();
-    const size_t lanes = size_t(kernels_.lanes);
+    places_.clear();
+    glm::vec2 lower(1e30f), upper(-1e30f);
+    const float perSpacing = 1.0f / patch.nodes.spacing;
     for (const Member& member : members) {
         const size_t m = member.lobe;
-        const float radius = supportRadius(lowestPower(lobes, m));
-        const glm::vec2 centre = lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]);
+        const glm::vec2 l = lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]) * perSpacing;
+        const glm::vec2 centre(std::nearbyint(l.x), std::nearbyint(l.y));
+        const Stencil& stencil = stencilFor(supportRadius(lobes.nz[m], lowestPower(lobes, m)) * perSpacing);
+        lower = glm::min(lower, centre - float(stencil.reach));
+        upper = glm::max(upper, centre + float(stencil.reach + 1));
+        places_.push_back({centre, &stencil});
+    }
+    patch.x0 = int(lower.x);
+    patch.y0 = int(lower.y);
+    patch.width = int(upper.x) - patch.x0;
+    patch.height = int(upper.y) - patch.y0;
+}
+
+// Each lobe at the lattice points of its support only.
+void Averager::sumOnLattice(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch)
+{
+    patch.g.assign(patch.size() * size_t(channels_), 0.0f);
+    for (size_t i = 0; i < members.size(); ++i) {
+        const auto [centre, stencil] = places_[i];
+        float amplitudes[3];
+        const LobeTerm lobe = term(lobes, members[i], black, amplitudes);
+        values_.resize(stencil->x.size());
+        kernels_.shapeOnLattice(lobe, source_.isotropic(), stencil->x.data(), stencil->y.data(),
+                                int(stencil->x.size()), centre.x, centre.y, patch.nodes.spacing,
+                                values_.data());
         for (int c = 0; c < channels_; ++c) {
-            const LobeTerm one = term(lobes, member, black, c);
-            float* g = sums + size_t(c) * nodes.size();
-            lattice.around(centre, radius, [&](size_t first, size_t count) {
-                // Whole vectors: what they add beside the run is the lobe's own far tail.
-                const size_t end = (first + count + lanes - 1) / lanes * lanes;
-                first = first / lanes * lanes;
-                count = end - first;
-                const NodeList list{int(count), &nodes.x[first], &nodes.y[first], &nodes.z[first], nullptr};
-                kernels_.average(&one, 1, isotropic_, list, g + first);
-            });
+            float* origin = patch.g.data() + size_t(c) * patch.size() +
+                            ptrdiff_t(int(centre.y) - patch.y0) * patch.width + int(centre.x) - patch.x0;
+            const float* value = values_.data();
+            for (const Stencil::Run& run : stencil->runs) {
+                float* row = origin + ptrdiff_t(run.y) * patch.width + run.x;
+                for (int k = 0; k < run.count; ++k)
+                    row[k] += amplitudes[c] * value[k];
+                value += run.count;
+            }
         }
     }
 }

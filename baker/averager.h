@@ -1,30 +1,49 @@
-// The average reflectance of a set of lobes at quadrature nodes.
+// Gathers level-0 lobes into cells: their moments and their sum at quadrature nodes.
 #pragma once
+#include "cell.h"
 #include "fit_kernel.h"
-#include "quadrature.h"
+#include "source.h"
 
 namespace lumel::baker {
 
+// A lobe of a block with the area that it covers, in level-0 texels.
+struct Member {
+    uint32_t lobe;
+    float area;
+};
+
 class Averager {
 public:
-    Averager(bool isotropicBase, bool colouredSpecular);
-    // g()[channel][node] of the members. `black`: all Ks are 0; they count as 1, to fit the shape.
-    void average(const Lobes& lobes, const std::vector<Member>& members, bool black, const NodeSet& nodes);
-    // Adds the members to sums[channel * nodes + node], each only at the nodes of its support.
-    void scatter(const Lobes& lobes, const std::vector<Member>& members, bool black,
-                 const SharedLattice& lattice, float* sums);
-    const float* const* g() const { return pointers_; }
+    explicit Averager(const Source& source);
+
+    // Sums `members` into `cell`: on `shared` nodes, or, when null, on nodes of its own; a uniform cell then
+    // gets none. Where all Ks are 0 they count as 1, to fit the shape; on shared nodes that is so only if the
+    // whole map `isBlack`.
+    void gather(const Lobes& lobes, const std::vector<Member>& members, const Nodes* shared, bool isBlack,
+                Cell& cell);
+    // The second half of gather(): the sums, uniform or not.
+    void average(const Lobes& lobes, const std::vector<Member>& members, const Nodes* shared, bool isBlack,
+                 Cell& cell);
+    // Does a lobe of this power reach the rim of the disc, where no lattice serves?
+    static bool reachesRim(const Lobes& lobes, const std::vector<Member>& members, double power);
     int channels() const { return channels_; }
 
 private:
-    LobeTerm term(const Lobes& lobes, const Member& member, bool black, int channel) const;
+    LobeTerm term(const Lobes& lobes, const Member& member, bool black, float* amplitudes) const;
+    void place(const Lobes& lobes, const std::vector<Member>& members, Patch& patch);
+    void sumOnLattice(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch);
+    void sumOnRule(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch);
 
     const Kernels& kernels_;
-    bool isotropic_;
+    const Source& source_;
     int channels_;
     std::vector<LobeTerm> terms_;
-    std::vector<float> g_[3];
-    const float* pointers_[3] = {};
+    std::vector<float> values_;
+    struct Place {
+        glm::vec2 centre;
+        const Stencil* stencil;
+    };
+    std::vector<Place> places_;
 };
 
 } // namespace lumel::baker

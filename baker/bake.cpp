@@ -26,13 +26,40 @@ const char* nameOf(Method method)
     return "";
 }
 
+struct MemorySink : LevelSink {
+    std::vector<Level>& levels;
+    explicit MemorySink(std::vector<Level>& to) : levels(to) {}
+    void rows(int number, int width, int height, int firstRow, int count, const float* texels) override
+    {
+        const size_t row = size_t(width) * kChannels;
+        if (firstRow == 0)
+            levels.push_back({width, height, std::vector<float>(row * size_t(height))});
+        std::copy_n(texels, row * size_t(count),
+                    levels[size_t(number)].texels.begin() + ptrdiff_t(row) * firstRow);
+    }
+};
+
 } // namespace
+
+ReflectanceMips bake(const Maps& maps, const Options& options, LevelSink& sink, Progress* progress)
+{
+    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+    arena.execute([&] { Chain(maps, options, progress).run(sink); });
+    return metadata(maps, options);
+}
 
 ReflectanceMips bake(const Maps& maps, const Options& options, Progress* progress)
 {
+    std::vector<Level> levels;
+    MemorySink sink(levels);
+    ReflectanceMips mips = bake(maps, options, sink, progress);
+    mips.levels = std::move(levels);
+    return mips;
+}
+
+ReflectanceMips metadata(const Maps& maps, const Options& options)
+{
     ReflectanceMips mips;
-    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-    arena.execute([&] { mips.levels = Chain(maps, options, progress).run(); });
     mips.model = options.model == Model::blinnPhong ? "blinn-phong" : "ashikhmin-shirley";
     mips.method = nameOf(options.method);
     mips.version = kVersion;
@@ -40,16 +67,20 @@ ReflectanceMips bake(const Maps& maps, const Options& options, Progress* progres
     return mips;
 }
 
+glm::ivec2 mapSize(const Maps& maps)
+{
+    glm::ivec2 size(0);
+    for (const Image* image : {&maps.height, &maps.normal, &maps.power, &maps.roughness,
+                               &maps.tangentRotation, &maps.specular, &maps.diffuse})
+        size = glm::max(size, glm::ivec2(image->width, image->height));
+    return size;
+}
+
 size_t progressUnits(const Maps& maps)
 {
-    int width = 0, height = 0;
-    for (const Image* image : {&maps.height, &maps.normal, &maps.power, &maps.roughness,
-                               &maps.tangentRotation, &maps.specular, &maps.diffuse}) {
-        width = std::max(width, image->width);
-        height = std::max(height, image->height);
-    }
-    return size_t(width) * size_t(height) *
-           size_t(width > 0 && height > 0 ? levelCount(width, height) - 1 : 0);
+    const glm::ivec2 size = mapSize(maps);
+    return size.x > 0 && size.y > 0 ? size_t(size.x) * size_t(size.y) * size_t(levelCount(size.x, size.y) - 1)
+                                    : 0;
 }
 
 } // namespace lumel::baker

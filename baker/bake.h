@@ -11,7 +11,7 @@
 
 namespace lumel::baker {
 
-inline constexpr const char* kVersion = "2"; // part of the cache key: raise when results change
+inline constexpr const char* kVersion = "3"; // part of the cache key: raise when results change
 
 enum class Method { fit, average, flat, height, toksvig, lean };
 enum class Model { blinnPhong, ashikhminShirley };
@@ -67,22 +67,39 @@ struct ReflectanceMips {
     std::string model, method, version, source; // the file's lumel:* metadata
 };
 
+// Of the chain's level 0, before any reduction: that of the largest map.
+glm::ivec2 mapSize(const Maps& maps);
+
 // glTF perceptual roughness r in [0, 1] to Blinn-Phong power: alpha = r^2, p = 2 / alpha^2 - 2
 // (Walter et al. 2007, section 5.2, equates the two lobes), clamped to [kMinPower, kMaxPower].
 float powerFromRoughness(float perceptualRoughness);
+
+// Takes a chain's levels as they are done, the finest first, each from its first row to its last.
+struct LevelSink {
+    static constexpr int kBand = 64; // a call brings whole bands of so many rows, or a level's last ones
+    virtual ~LevelSink() = default;
+    virtual void rows(int number, int width, int height, int firstRow, int count, const float* texels) = 0;
+};
 
 // Bakes all levels. Throws Error for unusable maps (none given, both height and normal, zero size, NaN)
 // and Interrupted after Ctrl-C. `progress` counts level-0 texels times the levels above 0 that cover
 // them, see progressUnits().
 ReflectanceMips bake(const Maps& maps, const Options& options, Progress* progress = nullptr);
 size_t progressUnits(const Maps& maps);
+// The same without keeping the levels, which are the bulk of a large chain. Returns the metadata only.
+ReflectanceMips bake(const Maps& maps, const Options& options, LevelSink& sink, Progress* progress);
 
+// What the file says of such a bake.
+ReflectanceMips metadata(const Maps& maps, const Options& options);
 // Hash of every input and option that changes the result: the file's lumel:source and the cache key.
 std::string sourceHash(const Maps& maps, const Options& options);
 
 // OpenEXR as the design describes it: tiled, MIPMAP_LEVELS, half (or float), channels by name
 // (N.x N.y S.xx S.xy S.yy Ks.R Ks.G Ks.B Kd.R Kd.G Kd.B E), metadata lumel:*. Atomic.
 void writeExr(const std::filesystem::path& file, const ReflectanceMips& mips, bool asFloat = false);
+// Bakes into the file as it goes; the result holds no texels.
+ReflectanceMips bakeExr(const std::filesystem::path& file, const Maps& maps, const Options& options,
+                        bool asFloat, Progress* progress);
 // Throws Error when the file is not such a chain, complete and finite.
 ReflectanceMips readExr(const std::filesystem::path& file);
 

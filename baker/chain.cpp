@@ -12,6 +12,7 @@ namespace {
 // Levels 1 and 2 average the few lobes under each texel at nodes of their own; from here on averages are
 // summed from finer ones.
 constexpr int kFirstCoarseLevel = 3;
+constexpr int kBlock = 32; // level-0 texels that are worked on at once, on each axis
 } // namespace
 
 Chain::Chain(const Maps& maps, const Options& options, Progress* progress)
@@ -33,56 +34,77 @@ void Chain::allocate(std::vector<Level>& levels, int first) const
     }
 }
 
-std::vector<Level> Chain::run()
+void Chain::run(LevelSink& sink)
 {
     const int count = levelCount(source_.width(), source_.height()), reduce = options_.reduce;
     if (reduce < 0 || reduce >= count)
         throw Error(fmt::format("reduce {}: a {} x {} map has {} levels; drop fewer", reduce, source_.width(),
                                 source_.height(), count));
-    allocate(levels_, std::max(1, reduce));
-    if (reduce == 0)
-        levels_[0] = baseLevel();
+    const int first = std::max(1, reduce);
+    allocate(levels_, first);
     if (options_.method == Method::fit && options_.model == Model::blinnPhong)
-        allocate(shadows_, std::max(1, reduce));
-    int number = std::max(1, reduce);
+        allocate(shadows_, first);
+    if (reduce == 0)
+        writeBase(sink);
     std::unique_ptr<CoarseCells> cells;
     if (count > kFirstCoarseLevel)
         cells = std::make_unique<CoarseCells>(*this, std::max(kFirstCoarseLevel, reduce));
-    for (; number < (cells ? cells->firstLevel() : count); ++number)
-        fineLevel(number);
-    if (cells)
-        cells->averageCells();
-    for (; number < count; ++number) {
+    const int coarse = cells ? cells->firstLevel() : count;
+    if (cells && nests(*cells)) {
+        nestedLevels(*cells);
+    } else {
+        for (int number = first; number < coarse; ++number)
+            fineLevel(number);
+        if (cells)
+            cells->gatherCells();
+    }
+    write(sink, first, coarse);
+    for (int number = coarse; number < count; ++number) {
         if (heights_)
             heights_->setLevel(levels_[size_t(number)].width, levels_[size_t(number)].height);
         cells->solveLevel(number);
+        write(sink, number, number + 1);
     }
-    levels_.erase(levels_.begin(), levels_.begin() + reduce);
-    return std::move(levels_);
 }
 
-// Level 0 is the input's own lobes: nothing to fit, no error.
-Level Chain::baseLevel() const
+// Hands over the levels from `from` up to `to`; the last of them stays, for the next to start from.
+void Chain::write(LevelSink& sink, int from, int to)
 {
-    Level level{source_.width(), source_.height(), {}};
-    level.texels.resize(size_t(level.width) * size_t(level.height) * kChannels);
-    tbb::parallel_for(tbb::blocked_range<int>(0, level.height, 8), [&](const auto& rows) {
-        Lobes lobes;
-        lobes.resize(size_t(level.width));
-        for (int y = rows.begin(); y < rows.end(); ++y) {
-            source_.read(y, 0, level.width, lobes, 0);
-            float* t = level.texels.data() + size_t(y) * size_t(level.width) * kChannels;
-            for (size_t x = 0; x < size_t(level.width); ++x, t += kChannels) {
-                const float values[kChannels] = {lobes.nx[x],    lobes.ny[x],    lobes.sxx[x],
-                                                 lobes.sxy[x],   lobes.syy[x],   lobes.ks[0][x],
-                                                 lobes.ks[1][x], lobes.ks[2][x], lobes.kd[0][x],
-                                                 lobes.kd[1][x], lobes.kd[2][x], 0.0f};
-                // Kd of a level is the vector average of Kd N along N: at level 0 Kd itself.
-                std::copy(values, values + kChannels, t);
+    for (int number = from; number < to; ++number) {
+        const Level& level = levels_[size_t(number)];
+        sink.rows(number - options_.reduce, level.width, level.height, 0, level.height, level.texels.data());
+        for (auto* levels : {&levels_, &shadows_})
+            if (number > 0 && !levels->empty())
+                (*levels)[size_t(number - 1)].texels = {};
+    }
+}
+
+// Level 0 is the input's own lobes: nothing to fit, no error. A band at a time: it is never needed whole.
+void Chain::writeBase(LevelSink& sink) const
+{
+    const size_t width = size_t(source_.width());
+    std::vector<float> band;
+    for (int from = 0; from < source_.height(); from += LevelSink::kBand) {
+        const int to = std::min(from + LevelSink::kBand, source_.height());
+        band.resize(width * size_t(to - from) * kChannels);
+        tbb::parallel_for(tbb::blocked_range<int>(from, to, 8), [&](const auto& rows) {
+            Lobes lobes;
+            lobes.resize(width);
+            for (int y = rows.begin(); y < rows.end(); ++y) {
+                source_.read(y, 0, int(width), lobes, 0);
+                float* t = band.data() + size_t(y - from) * width * kChannels;
+                for (size_t x = 0; x < width; ++x, t += kChannels) {
+                    const float values[kChannels] = {lobes.nx[x],    lobes.ny[x],    lobes.sxx[x],
+                                                     lobes.sxy[x],   lobes.syy[x],   lobes.ks[0][x],
+                                                     lobes.ks[1][x], lobes.ks[2][x], lobes.kd[0][x],
+                                                     lobes.kd[1][x], lobes.kd[2][x], 0.0f};
+                    std::copy(values, values + kChannels, t);
+                }
             }
-        }
-    });
-    return level;
+        });
+        advance(0); // Ctrl-C
+        sink.rows(0, source_.width(), source_.height(), from, to - from, band.data());
+    }
 }
 
 void Chain::advance(size_t units) const
@@ -91,27 +113,28 @@ void Chain::advance(size_t units) const
         progress_->advance(units);
 }
 
-TexelTask Chain::makeTask(int number, int x, int y, const Moments& mean)
+TexelTask Chain::makeTask(int number, int x, int y, const Cell& cell)
 {
     TexelTask task;
-    task.mean = mean;
+    task.mean = cell.sum.mean();
     Level& level = levels_[size_t(number)];
-    task.texel = level.texels.data() + (size_t(y) * size_t(level.width) + size_t(x)) * kChannels;
-    if (options_.method != Method::fit) {
+    const size_t offset = (size_t(y) * size_t(level.width) + size_t(x)) * kChannels;
+    task.texel = level.texels.data() + offset;
+    const bool shadowed = !shadows_.empty();
+    if (shadowed)
+        task.shadow = shadows_[size_t(number)].texels.data() + offset;
+    task.uniform = cell.uniform && options_.method == Method::fit;
+    task.fixed = task.uniform || options_.method != Method::fit;
+    if (task.fixed) {
         glm::vec3 normal(0.0f, 0.0f, 1.0f);
         if (heights_)
             normal = heights_->normal(x, y);
-        task.shape = closedFormShape(options_.method, mean, normal);
+        task.shape = task.uniform ? cell.shape : closedFormShape(options_.method, task.mean, normal);
         return task;
     }
-    // The finer level's lobes under this texel; level 1 sits on the input itself. An isotropic chain
-    // takes them from the anisotropic fits beside it, which say more about G and make both models
-    // search from the same guesses.
-    const bool shadowed = !shadows_.empty();
-    if (shadowed)
-        task.shadow = shadows_[size_t(number)].texels.data() +
-                      (size_t(y) * size_t(level.width) + size_t(x)) * kChannels;
-    const Level& finer = (shadowed && number > 1 ? shadows_ : levels_)[size_t(number - 1)];
+    // The finer level's lobes under this texel. An isotropic chain takes them from the anisotropic fits
+    // beside it, which say more about G and make both models search from the same guesses.
+    const Level& finer = (shadowed ? shadows_ : levels_)[size_t(number - 1)];
     if (finer.texels.empty())
         return task;
     const Footprint fx(x, level.width, finer.width), fy(y, level.height, finer.height);
@@ -131,12 +154,32 @@ void Chain::fineLevel(int number)
     const Level& level = levels_[size_t(number)];
     if (heights_)
         heights_->setLevel(level.width, level.height);
-    const int tile = std::max(1, 64 >> number);
+    const int tile = std::max(1, kBlock >> number);
     const int across = (level.width + tile - 1) / tile, down = (level.height + tile - 1) / tile;
     tbb::parallel_for(tbb::blocked_range<int>(0, across * down), [&](const auto& range) {
-        FineTile worker(*this);
+        FineTile worker(*this, nullptr);
         for (int i = range.begin(); i < range.end(); ++i)
             worker.run(number, i % across * tile, i / across * tile, tile);
+    });
+}
+
+// Does every texel up to the cells cover four of the finer level, on nodes that all can share?
+bool Chain::nests(CoarseCells& cells) const
+{
+    const int texels = 1 << cells.firstLevel();
+    return cells.sharedNodes() && !heights_ && options_.reconstruction == Reconstruction::box &&
+           source_.width() % texels == 0 && source_.height() % texels == 0;
+}
+
+void Chain::nestedLevels(CoarseCells& cells)
+{
+    const int top = cells.firstLevel(), tile = std::max(1, kBlock >> top);
+    const Level& level = levels_[size_t(top)];
+    const int across = (level.width + tile - 1) / tile, down = (level.height + tile - 1) / tile;
+    tbb::parallel_for(tbb::blocked_range<int>(0, across * down), [&](const auto& range) {
+        FineTile worker(*this, &cells);
+        for (int i = range.begin(); i < range.end(); ++i)
+            worker.runNested(top, i % across * tile, i / across * tile, tile, cells);
     });
 }
 

@@ -10,15 +10,20 @@ namespace lumel::baker {
 class Chain {
 public:
     Chain(const Maps& maps, const Options& options, Progress* progress);
-    std::vector<Level> run();
+    // Hands the levels to `sink` as they are done, the finest first.
+    void run(LevelSink& sink);
 
 private:
-    Level baseLevel() const;
+    void writeBase(LevelSink& sink) const;
+    void write(LevelSink& sink, int from, int to);
     void allocate(std::vector<Level>& levels, int first) const;
-    // Levels whose texels cover few lobes: nodes of their own for each texel.
+    // Levels whose texels cover few lobes: one level after the other, or where texels nest and can share
+    // nodes with the cells, all up to the cells at once.
     void fineLevel(int number);
+    bool nests(class CoarseCells& cells) const;
+    void nestedLevels(class CoarseCells& cells);
     void advance(size_t units) const;
-    struct TexelTask makeTask(int number, int x, int y, const struct Moments& mean);
+    struct TexelTask makeTask(int number, int x, int y, const struct Cell& cell);
 
     const Maps& maps_;
     const Options& options_;

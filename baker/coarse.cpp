@@ -1,5 +1,4 @@
 #include "coarse.h"
-#include "fine.h"
 #include "footprint.h"
 #include "normals.h"
 #include <tbb/blocked_range.h>
@@ -11,7 +10,6 @@ namespace {
 
 constexpr size_t kMostCells = 65536;
 constexpr size_t kMostBytes = size_t(256) << 20;
-constexpr size_t kMostSharedNodes = 8192;
 
 // Index of the border at `at` among ascending borders.
 int borderIndex(const std::vector<double>& cuts, double at)
@@ -21,27 +19,22 @@ int borderIndex(const std::vector<double>& cuts, double at)
 
 } // namespace
 
-CoarseCells::CoarseCells(Chain& chain, int firstLevel) : chain_(chain), firstLevel_(firstLevel)
+CoarseCells::CoarseCells(Chain& chain, int firstLevel)
+    : chain_(chain), firstLevel_(firstLevel), channels_(chain.source_.colouredSpecular() ? 3 : 1)
 {
     const int levels = int(chain.levels_.size());
-    channels_ = chain.source_.colouredSpecular() ? 3 : 1;
-    const auto plan = [&] {
+    survey();
+    const auto tooMany = [&] {
         cutsX_ = borders(chain.source_.width(), cellLevel(firstLevel_), levels);
         cutsY_ = borders(chain.source_.height(), cellLevel(firstLevel_), levels);
-        return (cutsX_.size() - 1) * (cutsY_.size() - 1);
+        const size_t cells = (cutsX_.size() - 1) * (cutsY_.size() - 1);
+        return cells > kMostCells || cells * mostNodes_ * size_t(channels_) * sizeof(float) > kMostBytes;
     };
-    while (plan() > kMostCells && firstLevel_ < levels - 1)
+    while (tooMany() && firstLevel_ < levels - 1)
         ++firstLevel_;
     across_ = int(cutsX_.size()) - 1;
     down_ = int(cutsY_.size()) - 1;
     cells_.resize(size_t(across_) * size_t(down_));
-    gatherMoments();
-    planNodes();
-    const auto bytes = [&] {
-        return cells_.size() * lattice_.nodes().size() * size_t(channels_) * sizeof(float);
-    };
-    while (bytes() > kMostBytes && firstLevel_ < levels - 1)
-        coarsen(cellLevel(++firstLevel_));
 }
 
 std::vector<double> CoarseCells::borders(int size, int firstLevel, int levels)
@@ -58,7 +51,7 @@ std::vector<double> CoarseCells::borders(int size, int firstLevel, int levels)
     return cuts;
 }
 
-// The lobes of a cell; shares are areas in level-0 texels.
+// The lobes of a cell.
 void CoarseCells::gather(int cell, Lobes& lobes, std::vector<Member>& members) const
 {
     const Footprint fx(cutsX_[size_t(cell % across_)], cutsX_[size_t(cell % across_) + 1]);
@@ -74,50 +67,68 @@ void CoarseCells::gather(int cell, Lobes& lobes, std::vector<Member>& members) c
     }
 }
 
-void CoarseCells::gatherMoments()
+// Where on the disc lobes are, and how narrow.
+void CoarseCells::survey()
 {
-    tbb::parallel_for(tbb::blocked_range<int>(0, across_ * down_), [&](const auto& range) {
+    struct Part {
+        glm::vec2 lower{1e30f}, upper{-1e30f}; // in Lambert's map, with the lobes' supports
+        double energy = 0.0, energyNarrow = 0.0, ks = 0.0;
+    };
+    const Source& source = chain_.source_;
+    std::vector<Part> parts(size_t(source.height())); // one a row: the same sums on any number of threads
+    tbb::parallel_for(tbb::blocked_range<int>(0, source.height()), [&](const auto& rows) {
         Lobes lobes;
-        std::vector<Member> members;
-        for (int c = range.begin(); c < range.end(); ++c) {
-            Cell& cell = cells_[size_t(c)];
-            gather(c, lobes, members);
-            for (const Member& m : members) {
-                cell.sum.add(lobes, m.lobe, m.share);
-                const glm::vec2 l = lambert(lobes.nx[m.lobe], lobes.ny[m.lobe], lobes.nz[m.lobe]);
-                const float radius = supportRadius(lowestPower(lobes, m.lobe));
-                cell.lower = glm::min(cell.lower, l - radius);
-                cell.upper = glm::max(cell.upper, l + radius);
+        lobes.resize(size_t(source.width()));
+        for (int y = rows.begin(); y < rows.end(); ++y) {
+            Part& part = parts[size_t(y)];
+            source.read(y, 0, source.width(), lobes, 0);
+            for (size_t m = 0; m < lobes.size(); ++m) {
+                const glm::vec2 l = lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]);
+                const float det = lobes.sxx[m] * lobes.syy[m] - lobes.sxy[m] * lobes.sxy[m];
+                const float lowest = lowestPower(lobes, m), energy = 1.0f / std::sqrt(det);
+                const float radius = supportRadius(lobes.nz[m], lowest);
+                part.lower = glm::min(part.lower, l - radius);
+                part.upper = glm::max(part.upper, l + radius);
+                part.energy += double(energy);
+                part.energyNarrow += double(energy) / (double(det) * double(lowest));
+                part.ks += double(lobes.ks[0][m]) + double(lobes.ks[1][m]) + double(lobes.ks[2][m]);
             }
-            cell.uniform = sameLobe(lobes, members, cell.shape);
         }
     });
-}
-
-void CoarseCells::planNodes()
-{
-    glm::vec2 lower(1e30f), upper(-1e30f);
-    Moments all;
-    for (const Cell& cell : cells_) {
-        lower = glm::min(lower, cell.lower);
-        upper = glm::max(upper, cell.upper);
-        all.add(cell.sum);
+    Part all;
+    for (const Part& part : parts) {
+        all.lower = glm::min(all.lower, part.lower);
+        all.upper = glm::max(all.upper, part.upper);
+        all.energy += part.energy;
+        all.energyNarrow += part.energyNarrow;
+        all.ks += part.ks;
     }
-    black_ = luminance(all.ks) <= 0.0;
-    lattice_.plan(lower, upper, all.energyNarrow / all.energy, kMostSharedNodes);
+    isBlack_ = all.ks <= 0.0;
+    const double power = all.energyNarrow / all.energy;
+    if (power <= kDiscRulePower) {
+        nodes_.rule = &discRule(power);
+        mostNodes_ = nodes_.rule->size();
+        return;
+    }
+    constexpr double kMostNodes = 8192;
+    const glm::dvec2 size =
+        glm::min(glm::dvec2(all.upper), std::sqrt(2.0)) - glm::max(glm::dvec2(all.lower), -std::sqrt(2.0));
+    const double ideal = kSpacing / std::sqrt(power);
+    const double spacing = std::max(ideal, std::sqrt(size.x * size.y / kMostNodes));
+    nodes_.spacing = float(spacing);
+    mostNodes_ = size_t(size.x * size.y / (spacing * spacing)) + 1;
+    canShare_ = source.constantPower() && spacing == ideal;
 }
 
-void CoarseCells::averageCells()
+void CoarseCells::gatherCells()
 {
-    const size_t stride = lattice_.nodes().size() * size_t(channels_);
-    g_.assign(stride * cells_.size(), 0.0f);
     tbb::parallel_for(tbb::blocked_range<int>(0, across_ * down_), [&](const auto& range) {
-        Averager averager(chain_.source_.isotropic(), chain_.source_.colouredSpecular());
+        Averager averager(chain_.source_);
         Lobes lobes;
         std::vector<Member> members;
         for (int cell = range.begin(); cell < range.end(); ++cell) {
             gather(cell, lobes, members);
-            averager.scatter(lobes, members, black_, lattice_, g_.data() + size_t(cell) * stride);
+            averager.gather(lobes, members, &nodes_, isBlack_, cells_[size_t(cell)]);
         }
     });
 }
@@ -128,42 +139,23 @@ void CoarseCells::coarsen(int level)
     std::vector<double> newX = borders(chain_.source_.width(), level, levels);
     std::vector<double> newY = borders(chain_.source_.height(), level, levels);
     const int newAcross = int(newX.size()) - 1, newDown = int(newY.size()) - 1;
-    const size_t stride = cells_.empty() ? 0 : g_.size() / cells_.size();
     std::vector<Cell> merged(size_t(newAcross) * size_t(newDown));
-    std::vector<float> g(stride * merged.size(), 0.0f);
     tbb::parallel_for(tbb::blocked_range<int>(0, newDown), [&](const auto& rows) {
         for (int j = rows.begin(); j < rows.end(); ++j)
             for (int i = 0; i < newAcross; ++i) {
-                const size_t to = size_t(j) * size_t(newAcross) + size_t(i);
-                Cell& cell = merged[to];
+                Cell& cell = merged[size_t(j) * size_t(newAcross) + size_t(i)];
                 const int y1 = borderIndex(cutsY_, newY[size_t(j) + 1]),
                           x1 = borderIndex(cutsX_, newX[size_t(i) + 1]);
                 for (int y = borderIndex(cutsY_, newY[size_t(j)]); y < y1; ++y)
-                    for (int x = borderIndex(cutsX_, newX[size_t(i)]); x < x1; ++x) {
-                        const size_t from = size_t(y) * size_t(across_) + size_t(x);
-                        cell.merge(cells_[from]);
-                        for (size_t k = 0; k < stride; ++k)
-                            g[to * stride + k] += g_[from * stride + k];
-                    }
+                    for (int x = borderIndex(cutsX_, newX[size_t(i)]); x < x1; ++x)
+                        cell.merge(cells_[size_t(y) * size_t(across_) + size_t(x)], 1.0, channels_);
             }
     });
     cells_ = std::move(merged);
-    g_ = std::move(g);
     cutsX_ = std::move(newX);
     cutsY_ = std::move(newY);
     across_ = newAcross;
     down_ = newDown;
-}
-
-void CoarseCells::Cell::merge(const Cell& other, double factor)
-{
-    const Shape &a = shape, &b = other.shape;
-    const bool same = a.nx == b.nx && a.ny == b.ny && a.sxx == b.sxx && a.sxy == b.sxy && a.syy == b.syy;
-    uniform = other.uniform && (sum.weight == 0.0 || (uniform && same));
-    shape = other.shape;
-    sum.add(other.sum, factor);
-    lower = glm::min(lower, other.lower);
-    upper = glm::max(upper, other.upper);
 }
 
 // The cells of one axis under texel t of a level, with their shares of it.
@@ -189,48 +181,21 @@ std::vector<TentShare> CoarseCells::shares(int t, int levelTexels, int size,
     return result;
 }
 
-// Sums the cells under a texel and keeps the nodes where its average reflectance is not negligible.
+// The cells under a texel.
 void CoarseCells::addTexel(int number, int x, int y, Solver& solver) const
 {
     const Level& level = chain_.levels_[size_t(number)];
-    const NodeSet& shared = lattice_.nodes();
-    const size_t count = shared.size(), stride = count * size_t(channels_);
     Cell cell;
-    std::vector<float> total(stride, 0.0f);
+    const auto sharesX = shares(x, level.width, chain_.source_.width(), cutsX_);
     for (const TentShare& sy : shares(y, level.height, chain_.source_.height(), cutsY_))
-        for (const TentShare& sx : shares(x, level.width, chain_.source_.width(), cutsX_)) {
-            const size_t c = size_t(sy.cell) * size_t(across_) + size_t(sx.cell);
-            const double factor = double(sx.share) * sy.share / cells_[c].sum.weight;
-            cell.merge(cells_[c], factor);
-            for (size_t k = 0; k < stride; ++k)
-                total[k] += float(factor) * g_[c * stride + k];
+        for (const TentShare& sx : sharesX) {
+            const Cell& part = cells_[size_t(sy.cell) * size_t(across_) + size_t(sx.cell)];
+            cell.merge(part, double(sx.share) * sy.share / part.sum.weight, channels_);
         }
-    TexelTask task = chain_.makeTask(number, x, y, cell.sum.mean());
+    TexelTask task = chain_.makeTask(number, x, y, cell);
     if (task.childCount == 0)
         task.addChild(task.mean, 1.0);
-    task.uniform = cell.uniform && chain_.options_.method == Method::fit;
-    if (task.uniform)
-        task.shape = cell.shape;
-    double peak = 0.0;
-    for (const float v : total)
-        peak = std::max(peak, double(v));
-    NodeSet nodes;
-    std::vector<float> g[3];
-    for (size_t k = 0; k < count; ++k) {
-        double here = 0.0;
-        for (int c = 0; c < channels_; ++c)
-            here = std::max(here, double(total[size_t(c) * count + k]));
-        if (here <= 1e-5 * peak)
-            continue;
-        nodes.add(shared.x[k], shared.y[k], shared.z[k], shared.area[k]);
-        for (int c = 0; c < channels_; ++c)
-            g[c].push_back(total[size_t(c) * count + k]);
-    }
-    nodes.pad();
-    for (auto& channel : g)
-        channel.resize(nodes.size(), 0.0f);
-    const float* const pointers[3] = {g[0].data(), g[1].data(), g[2].data()};
-    solver.add(task, nodes, pointers);
+    solver.add(task, cell);
 }
 
 void CoarseCells::solveLevel(int number)

@@ -1,4 +1,4 @@
-// The coarse levels: average reflectance on shared nodes, summed from cells.
+// The coarse levels: texels put together from cells, rectangles between the borders of all their texels.
 #pragma once
 #include "averager.h"
 #include "chain.h"
@@ -9,27 +9,24 @@ namespace lumel::baker {
 
 class CoarseCells {
 public:
-    // Surveys the source in cells for the levels from `firstLevel` on, or from the first level on whose
-    // averages fit in the memory allowed.
+    // Surveys the source and plans cells for the levels from `firstLevel` on, or from the first level on
+    // whose sums fit in the memory allowed.
     CoarseCells(Chain& chain, int firstLevel);
     int firstLevel() const { return firstLevel_; }
-    // Averages the whole source; then the levels are solved one after the other.
-    void averageCells();
+    // Nodes that texels of fine levels can share with the cells, or null.
+    const Nodes* sharedNodes() const { return canShare_ ? &nodes_ : nullptr; }
+    bool isBlack() const { return isBlack_; }
+    // The cell of a texel of the first level, where texels nest.
+    Cell& at(int x, int y) { return cells_[size_t(y) * size_t(across_) + size_t(x)]; }
+    // Or gathers all cells from the source.
+    void gatherCells();
     void solveLevel(int number);
 
 private:
-    struct Cell {
-        Moments sum;
-        glm::vec2 lower{1e30f}, upper{-1e30f}; // Lambert coordinates of its normals
-        bool uniform = true;                   // one and the same lobe throughout
-        Shape shape;
-        void merge(const Cell& other, double factor = 1.0);
-    };
     // Borders of the texels of all coarse levels on one axis, ascending.
     static std::vector<double> borders(int size, int firstLevel, int levels);
+    void survey();
     void gather(int cell, Lobes& lobes, std::vector<Member>& members) const;
-    void gatherMoments();
-    void planNodes();
     // Merges cells into those of the levels from `level` on.
     void coarsen(int level);
     void addTexel(int number, int x, int y, Solver& solver) const;
@@ -44,11 +41,12 @@ private:
     std::vector<double> cutsX_, cutsY_;
     int across_ = 0, down_ = 0;
     std::vector<Cell> cells_;
-    SharedLattice lattice_;
+    Nodes nodes_; // of all cells
+    size_t mostNodes_ = 1;
+    bool canShare_ = false;
     int firstLevel_;
-    bool black_ = false; // no specular anywhere: shapes are fitted as if it were white
+    bool isBlack_ = false; // no specular anywhere: shapes are fitted as if it were white
     int channels_ = 1;
-    std::vector<float> g_; // [cell][channel][node], area-weighted sums
 };
 
 } // namespace lumel::baker

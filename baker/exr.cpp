@@ -6,6 +6,7 @@
 #include <OpenImageIO/imageio.h>
 #include <bit>
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 namespace lumel::baker {
 namespace {
@@ -14,6 +15,7 @@ constexpr const char* kChannelNames[kChannels] = {"N.x",  "N.y",  "S.xx", "S.xy"
                                                   "Ks.G", "Ks.B", "Kd.R", "Kd.G", "Kd.B", "E"};
 constexpr float kMaxHalf = 65504.0f;
 constexpr int kTileSize = 64;
+static_assert(LevelSink::kBand % kTileSize == 0);
 
 std::string firstLine(const std::string& text)
 {
@@ -47,18 +49,9 @@ void quantise(float* texel)
     }
 }
 
-std::vector<float> quantised(const Level& level)
+OIIO::ImageSpec makeSpec(const ReflectanceMips& mips, int width, int height, bool asFloat)
 {
-    std::vector<float> texels = level.texels;
-    for (size_t i = 0; i < texels.size(); i += kChannels)
-        quantise(&texels[i]);
-    return texels;
-}
-
-OIIO::ImageSpec makeSpec(const ReflectanceMips& mips, const Level& level, bool asFloat)
-{
-    OIIO::ImageSpec spec(level.width, level.height, kChannels,
-                         asFloat ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::HALF);
+    OIIO::ImageSpec spec(width, height, kChannels, asFloat ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::HALF);
     spec.channelnames.assign(kChannelNames, kChannelNames + kChannels);
     spec.alpha_channel = -1;
     spec.z_channel = -1;
@@ -73,6 +66,62 @@ OIIO::ImageSpec makeSpec(const ReflectanceMips& mips, const Level& level, bool a
     spec.attribute("lumel:source", mips.source);
     return spec;
 }
+
+// Writes levels as they come.
+class ExrSink : public LevelSink {
+public:
+    ExrSink(const std::filesystem::path& name, const std::filesystem::path& temporary,
+            const ReflectanceMips& mips, bool asFloat)
+        : name_(name), temporary_(temporary), mips_(mips), asFloat_(asFloat),
+          output_(OIIO::ImageOutput::create("openexr"))
+    {
+        if (!output_)
+            fail(OIIO::geterror());
+    }
+
+    void rows(int number, int width, int height, int firstRow, int count, const float* texels) override
+    {
+        const auto mode = number == 0 ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendMIPLevel;
+        if (firstRow == 0 &&
+            !output_->open(temporary_.string(), makeSpec(mips_, width, height, asFloat_), mode))
+            fail(output_->geterror());
+        for (int row = firstRow; row < firstRow + count; row += kBand)
+            writeBand(width, row, std::min(kBand, firstRow + count - row),
+                      texels + size_t(row - firstRow) * size_t(width) * kChannels);
+    }
+
+    void close()
+    {
+        if (!output_->close())
+            fail(output_->geterror());
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& why) const
+    {
+        throw Error(fmt::format("{}: cannot be written ({})", name_.string(), firstLine(why)));
+    }
+
+    void writeBand(int width, int firstRow, int count, const float* texels)
+    {
+        const size_t values = size_t(width) * size_t(count) * kChannels;
+        band_.assign(texels, texels + values);
+        if (!asFloat_)
+            tbb::parallel_for(size_t(0), size_t(count), [&](size_t row) {
+                for (size_t i = 0; i < size_t(width); ++i)
+                    quantise(&band_[(row * size_t(width) + i) * kChannels]);
+            });
+        if (!output_->write_tiles(0, width, firstRow, firstRow + count, 0, 1, OIIO::TypeDesc::FLOAT,
+                                  band_.data()))
+            fail(output_->geterror());
+    }
+
+    std::filesystem::path name_, temporary_;
+    const ReflectanceMips& mips_;
+    bool asFloat_;
+    std::unique_ptr<OIIO::ImageOutput> output_;
+    std::vector<float> band_;
+};
 
 [[noreturn]] void reject(const std::string& name, const std::string& why)
 {
@@ -115,26 +164,25 @@ void writeExr(const std::filesystem::path& file, const ReflectanceMips& mips, bo
     if (mips.levels.empty())
         throw Error(fmt::format("{}: nothing baked to write; bake first", file.string()));
     writeAtomically(file, [&](const std::filesystem::path& temporary) {
-        const auto fail = [&](const std::string& why) {
-            throw Error(fmt::format("{}: cannot be written ({})", file.string(), firstLine(why)));
-        };
-        auto output = OIIO::ImageOutput::create("openexr");
-        if (!output)
-            fail(OIIO::geterror());
-        auto mode = OIIO::ImageOutput::Create;
-        for (const Level& level : mips.levels) {
-            if (!output->open(temporary.string(), makeSpec(mips, level, asFloat), mode))
-                fail(output->geterror());
-            const bool written = asFloat
-                                     ? output->write_image(OIIO::TypeDesc::FLOAT, level.texels.data())
-                                     : output->write_image(OIIO::TypeDesc::FLOAT, quantised(level).data());
-            if (!written)
-                fail(output->geterror());
-            mode = OIIO::ImageOutput::AppendMIPLevel;
+        ExrSink sink(file, temporary, mips, asFloat);
+        for (size_t l = 0; l < mips.levels.size(); ++l) {
+            const Level& level = mips.levels[l];
+            sink.rows(int(l), level.width, level.height, 0, level.height, level.texels.data());
         }
-        if (!output->close())
-            fail(output->geterror());
+        sink.close();
     });
+}
+
+ReflectanceMips bakeExr(const std::filesystem::path& file, const Maps& maps, const Options& options,
+                        bool asFloat, Progress* progress)
+{
+    const ReflectanceMips mips = metadata(maps, options);
+    writeAtomically(file, [&](const std::filesystem::path& temporary) {
+        ExrSink sink(file, temporary, mips, asFloat);
+        bake(maps, options, sink, progress);
+        sink.close();
+    });
+    return mips;
 }
 
 ReflectanceMips readExr(const std::filesystem::path& file)

@@ -4,22 +4,9 @@
 
 namespace lumel::baker {
 
-bool sameLobe(const Lobes& lobes, const std::vector<Member>& members, Shape& shape)
-{
-    const size_t f = members.front().lobe;
-    for (const Member& member : members) {
-        const size_t m = member.lobe;
-        if (lobes.nx[m] != lobes.nx[f] || lobes.ny[m] != lobes.ny[f] || lobes.sxx[m] != lobes.sxx[f] ||
-            lobes.sxy[m] != lobes.sxy[f] || lobes.syy[m] != lobes.syy[f])
-            return false;
-    }
-    shape = {lobes.nx[f], lobes.ny[f], lobes.sxx[f], lobes.sxy[f], lobes.syy[f]};
-    return true;
-}
-
-FineTile::FineTile(Chain& chain)
-    : chain_(chain), solver_(chain.options_, chain.source_.colouredSpecular()),
-      averager_(chain.source_.isotropic(), chain.source_.colouredSpecular())
+FineTile::FineTile(Chain& chain, const CoarseCells* cells)
+    : chain_(chain), shared_(cells ? cells->sharedNodes() : nullptr), isBlack_(cells && cells->isBlack()),
+      solver_(chain.options_, chain.source_.colouredSpecular()), averager_(chain.source_)
 {
 }
 
@@ -60,8 +47,8 @@ void FineTile::readLobes(int number, int x0, int y0, int x1, int y1)
     }
 }
 
-// The lobes under a texel with their shares.
-void FineTile::gather(const Level& level, int x, int y)
+// The lobes under a texel with their areas, or with their shares of a tent.
+void FineTile::gatherMembers(const Level& level, int x, int y)
 {
     const int width = chain_.source_.width(), height = chain_.source_.height();
     members_.clear();
@@ -83,47 +70,65 @@ void FineTile::gather(const Level& level, int x, int y)
         return;
     }
     const Footprint fx(x, level.width, width), fy(y, level.height, height);
-    const double area = (fx.end - fx.begin) * (fy.end - fy.begin);
     for (int j = fy.first; j < fy.last; ++j)
         for (int i = fx.first; i < fx.last; ++i)
-            add(i, j, double(fx.weight(i)) * fy.weight(j) / area);
+            add(i, j, double(fx.weight(i)) * fy.weight(j));
 }
 
-void FineTile::addTexel(int number, int x, int y)
+void FineTile::fill(int number, int x, int y, bool isCell, Cell& cell)
 {
-    const Level& level = chain_.levels_[size_t(number)];
-    gather(level, x, y);
-    Moments sum;
-    for (const Member& member : members_)
-        sum.add(lobes_, member.lobe, member.share);
-    TexelTask task = chain_.makeTask(number, x, y, sum.mean());
-    Shape same;
-    task.uniform = chain_.options_.method == Method::fit && sameLobe(lobes_, members_, same);
-    if (task.uniform) { // nothing to fit: its error is 0 without looking
-        task.shape = same;
-        nodes_.clear();
-        nodes_.pad();
-        averager_.average(lobes_, {}, false, nodes_);
-        solver_.add(task, nodes_, averager_.g());
+    if (haveFiner_) {
+        const Cell* below =
+            &finer_.cells[size_t(2 * y - finer_.y0) * size_t(finer_.width) + size_t(2 * x - finer_.x0)];
+        const Cell* quad[4] = {below, below + 1, below + finer_.width, below + finer_.width + 1};
+        const auto isShared = [&](const Cell* c) {
+            return c->patch.nodes == *shared_ && (isBlack_ || luminance(c->sum.ks) > 0.0);
+        };
+        if (std::all_of(quad, quad + 4, isShared)) {
+            cell.clear();
+            for (const Cell* c : quad)
+                cell.merge(*c, 1.0, averager_.channels());
+            return;
+        }
+    }
+    gatherMembers(chain_.levels_[size_t(number)], x, y);
+    const bool share =
+        shared_ && (isCell || !averager_.reachesRim(lobes_, members_, chain_.source_.maxPower()));
+    averager_.gather(lobes_, members_, share ? shared_ : nullptr, isBlack_, cell);
+}
+
+void FineTile::addTexel(int number, int x, int y, Cell& cell)
+{
+    fill(number, x, y, false, cell);
+    TexelTask task = chain_.makeTask(number, x, y, cell);
+    if (task.childCount == 0 && !task.fixed)
+        addChildren(number, x, y, task);
+    solver_.add(task, cell);
+}
+
+// No finer level was fitted: the lobes themselves, or where they are many, the LEAN lobes of the texel's
+// quarters stand in for its children.
+void FineTile::addChildren(int number, int x, int y, TexelTask& task)
+{
+    gatherMembers(chain_.levels_[size_t(number)], x, y);
+    if (members_.size() <= size_t(TexelTask::kMostChildren)) {
+        for (const Member& m : members_) {
+            const size_t i = m.lobe;
+            const auto ks = float(luminance({lobes_.ks[0][i], lobes_.ks[1][i], lobes_.ks[2][i]}));
+            task.children[size_t(task.childCount++)] = {
+                {lobes_.nx[i], lobes_.ny[i], lobes_.sxx[i], lobes_.sxy[i], lobes_.syy[i]},
+                ks,
+                float(m.area / task.mean.weight)};
+        }
         return;
     }
-    if (task.childCount == 0 && chain_.options_.method == Method::fit)
-        addQuadrants(task);
-    lattice_.plan(lobes_, members_, task.mean, nodes_);
-    averager_.average(lobes_, members_, luminance(task.mean.ks) <= 0.0, nodes_);
-    solver_.add(task, nodes_, averager_.g());
-}
-
-// No finer level was fitted: the LEAN lobes of the texel's quarters stand in for its children.
-void FineTile::addQuadrants(TexelTask& task) const
-{
     const auto columnOf = [&](const Member& m) { return m.lobe % uint32_t(rectWidth_); };
     const auto rowOf = [&](const Member& m) { return m.lobe / uint32_t(rectWidth_); };
     const uint32_t middleX = (columnOf(members_.front()) + columnOf(members_.back()) + 1) / 2;
     const uint32_t middleY = (rowOf(members_.front()) + rowOf(members_.back()) + 1) / 2;
     Moments quarters[4];
     for (const Member& m : members_)
-        quarters[(rowOf(m) < middleY ? 0 : 2) + (columnOf(m) < middleX ? 0 : 1)].add(lobes_, m.lobe, m.share);
+        quarters[(rowOf(m) < middleY ? 0 : 2) + (columnOf(m) < middleX ? 0 : 1)].add(lobes_, m.lobe, m.area);
     for (const Moments& quarter : quarters)
         if (quarter.weight > 0.0)
             task.addChild(quarter.mean(), quarter.weight);
@@ -133,12 +138,42 @@ void FineTile::run(int number, int x0, int y0, int size)
 {
     const Level& level = chain_.levels_[size_t(number)];
     const int x1 = std::min(x0 + size, level.width), y1 = std::min(y0 + size, level.height);
+    haveFiner_ = false;
     readLobes(number, x0, y0, x1, y1);
     for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x)
-            addTexel(number, x, y);
+            addTexel(number, x, y, single_);
     solver_.solve();
     chain_.advance((size_t(x1 - x0) * size_t(y1 - y0)) << (2 * number));
+}
+
+void FineTile::runNested(int top, int x0, int y0, int size, CoarseCells& cells)
+{
+    const Level& last = chain_.levels_[size_t(top)];
+    const int x1 = std::min(x0 + size, last.width), y1 = std::min(y0 + size, last.height);
+    const int first = std::max(1, chain_.options_.reduce);
+    readLobes(top, x0, y0, x1, y1);
+    haveFiner_ = false;
+    for (int number = first; number <= top; ++number) {
+        const int scale = 1 << (top - number);
+        current_.x0 = x0 * scale;
+        current_.y0 = y0 * scale;
+        current_.width = (x1 - x0) * scale;
+        const int height = (y1 - y0) * scale;
+        current_.cells.resize(std::max(current_.cells.size(), size_t(current_.width) * size_t(height)));
+        size_t i = 0;
+        for (int y = current_.y0; y < current_.y0 + height; ++y)
+            for (int x = current_.x0; x < current_.x0 + current_.width; ++x, ++i)
+                if (number < top)
+                    addTexel(number, x, y, current_.cells[i]);
+                else
+                    fill(number, x, y, true, cells.at(x, y));
+        if (number < top)
+            solver_.solve();
+        chain_.advance(number < top ? i << (2 * number) : 0);
+        std::swap(finer_, current_);
+        haveFiner_ = true;
+    }
 }
 
 } // namespace lumel::baker

@@ -50,7 +50,7 @@ struct FitJob {
 struct SearchSettings {
     bool isotropic = true;   // l1 = l2, l3 = 0
     int maxEvaluations = 40; // 1: only evaluates the starts
-    float tolerance = 1e-3f; // of the gradient; the error then is within about its square of the minimum
+    float tolerance = 3e-3f; // of the gradient; the error then is within about half its square of the minimum
 };
 
 struct Kernels {
@@ -58,6 +58,12 @@ struct Kernels {
     int lanes;
     // g[k] += sum over the lobes of amplitude * shape at node k.
     void (*average)(const LobeTerm* lobes, int count, bool isotropic, const NodeList& nodes, float* g);
+    // f[k] = shape / sqrt(det P) of the lobe at the point (cx + x[k], cy + y[k]) * spacing of Lambert's map
+    // (quadrature.h); 0 beyond the disc.
+    void (*shapeOnLattice)(const LobeTerm& lobe, bool isotropic, const float* x, const float* y, int count,
+                           float cx, float cy, float spacing, float* f);
+    // Points of Lambert's map, in `spacing`s, to half vectors and their share of the disc, in place.
+    void (*toHalfVectors)(float* x, float* y, float* z, float* area, int count, float spacing);
     // BFGS on `count` jobs, one a lane; a lane that is done takes the next job. Jobs of like node counts
     // belong together. `scratch` holds 4 * kMaxLanes floats for each node of the largest job.
     void (*minimise)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);

@@ -17,6 +17,7 @@ namespace {
 } // namespace
 
 extern const Kernels LUMEL_KERNELS;
-const Kernels LUMEL_KERNELS = {LUMEL_NAME, W, average, minimise, minimiseMixtures, evaluate};
+const Kernels LUMEL_KERNELS = {LUMEL_NAME, W, average, shapeOnLattice, toHalfVectors,
+                               minimise, minimiseMixtures, evaluate};
 
 } // namespace lumel::baker

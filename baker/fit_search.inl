@@ -140,7 +140,7 @@ struct Search {
         }
         // The parabola through f, its slope and the trial has its minimum here.
         const V parabola = -0.5f * slope * step * step / maximum(trialF - f - slope * step, splat(1e-20f));
-        const I small = accepted & (f - trialF < 1e-2f * tolerance) & (step >= 0.99f);
+        const I small = accepted & (f - trialF < tolerance * tolerance) & (step >= 0.99f);
         const I offDisc = first & (trialF > 2.0f);
         f = accepted ? trialF : f;
         norm = accepted ? objective.norm : norm;

@@ -23,7 +23,7 @@ void blend(const Level& level, Wrap wrap, double u, double v, float* out)
 
 class Truth {
 public:
-    explicit Truth(const Maps& maps) : maps_(maps), source_(maps), averager_(source_.isotropic(), false) {}
+    explicit Truth(const Maps& maps) : maps_(maps), source_(maps), averager_(source_) {}
 
     // Averages the box of level-0 texels; false where there is no reflectance.
     bool gather(const Footprint& fx, const Footprint& fy)
@@ -31,26 +31,28 @@ public:
         const int width = fx.last - fx.first;
         lobes_.resize(size_t(width) * size_t(fy.last - fy.first));
         members_.clear();
-        Moments sum;
         for (int j = fy.first; j < fy.last; ++j)
             for (int i = fx.first; i < fx.last; ++i) {
                 const size_t at = size_t(j - fy.first) * size_t(width) + size_t(i - fx.first);
                 const int x = wrapped(i, source_.width(), maps_.wrap);
                 source_.read(wrapped(j, source_.height(), maps_.wrap), x, x + 1, lobes_, at);
-                const double share =
-                    double(fx.weight(i)) * fy.weight(j) / ((fx.end - fx.begin) * (fy.end - fy.begin));
-                members_.push_back({uint32_t(at), float(share)});
-                sum.add(lobes_, at, share);
+                members_.push_back({uint32_t(at), fx.weight(i) * fy.weight(j)});
             }
-        mean_ = sum.mean();
-        lattice_.plan(lobes_, members_, mean_, nodes_);
-        averager_.average(lobes_, members_, false, nodes_);
-        return luminance(mean_.ks) > 0.0;
+        averager_.gather(lobes_, members_, nullptr, false, cell_);
+        if (cell_.uniform)
+            averager_.average(lobes_, members_, nullptr, false, cell_);
+        nodes_.clear();
+        for (auto& channel : g_)
+            channel.clear();
+        cell_.patch.appendTo(nodes_, g_, float(1.0 / cell_.sum.weight), averager_.channels());
+        for (size_t k = 0; averager_.channels() == 3 && k < nodes_.size(); ++k)
+            g_[0][k] = float(luminance({g_[0][k], g_[1][k], g_[2][k]}));
+        return luminance(cell_.sum.ks) > 0.0;
     }
 
     double error(const float* texel)
     {
-        const float* g = averager_.g()[0];
+        const std::vector<float>& g = g_[0];
         std::vector<float> weight(nodes_.size());
         double energy = 0.0;
         for (size_t k = 0; k < nodes_.size(); ++k) {
@@ -73,11 +75,11 @@ private:
     const Maps& maps_;
     Source source_;
     Averager averager_;
-    Lattice lattice_;
     Lobes lobes_;
     std::vector<Member> members_;
     NodeSet nodes_;
-    Moments mean_;
+    std::vector<float> g_[3];
+    Cell cell_;
 };
 
 } // namespace

@@ -8,19 +8,26 @@ void Moments::add(const Lobes& lobes, size_t i, double area)
 {
     const glm::dvec3 n(lobes.nx[i], lobes.ny[i], lobes.nz[i]);
     const Sym2 s{lobes.sxx[i], lobes.sxy[i], lobes.syy[i]};
-    const Sym2 p = s.inverse();
-    const double det = p.det();
+    const Sym2 outer{n.x * n.x, n.x * n.y, n.y * n.y};
     weight += area;
     normal += area * n;
-    normalNormal = normalNormal + Sym2{n.x * n.x, n.x * n.y, n.y * n.y} * area;
-    discCovariance = discCovariance + DiscFrame(n).toDisc(s) * area;
-    precision = precision + p * area;
-    energy += area * std::sqrt(det);
-    energyPower += area * det;
-    const double half = 0.5 * (p.xx - p.yy);
-    const double largest = 0.5 * (p.xx + p.yy) + std::sqrt(half * half + p.xy * p.xy);
+    normalNormal = normalNormal + outer * area;
+    double power = 1.0 / s.xx, largest = power; // power = sqrt(det P)
+    if (s.xy == 0.0 && s.xx == s.yy) {
+        // J J^T = I - N.xy N.xy^T
+        discCovariance = discCovariance + (Sym2{1.0, 0.0, 1.0} + outer * -1.0) * (s.xx * area);
+        precision = precision + Sym2{power, 0.0, power} * area;
+    } else {
+        const Sym2 p = s.inverse();
+        const double half = 0.5 * (p.xx - p.yy);
+        power = std::sqrt(p.det());
+        largest = 0.5 * (p.xx + p.yy) + std::sqrt(half * half + p.xy * p.xy);
+        discCovariance = discCovariance + DiscFrame(n).toDisc(s) * area;
+        precision = precision + p * area;
+    }
+    energy += area * power;
     maxPower = std::max(maxPower, largest);
-    energyNarrow += area * std::sqrt(det) * largest;
+    energyNarrow += area * power * largest;
     for (int c = 0; c < 3; ++c) {
         ks[c] += area * lobes.ks[c][i];
         kdNormal[c] += area * double(lobes.kd[c][i]) * n;
@@ -35,7 +42,6 @@ void Moments::add(const Moments& o, double factor)
     discCovariance = discCovariance + o.discCovariance * factor;
     precision = precision + o.precision * factor;
     energy += factor * o.energy;
-    energyPower += factor * o.energyPower;
     energyNarrow += factor * o.energyNarrow;
     maxPower = std::max(maxPower, o.maxPower);
     ks += factor * o.ks;
@@ -52,7 +58,6 @@ Moments Moments::mean() const
     m.discCovariance = m.discCovariance * f;
     m.precision = m.precision * f;
     m.energy *= f;
-    m.energyPower *= f;
     m.energyNarrow *= f;
     m.ks *= f;
     for (auto& v : m.kdNormal)

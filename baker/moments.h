@@ -54,7 +54,6 @@ struct Moments {
     Sym2 precision;            // P
     double energy = 0.0;       // sqrt(det P): energies of lobes of equal Ks are proportional to it
     double energyNarrow = 0.0; // sum of energy * largest power: how narrow the lobes that matter are
-    double energyPower = 0.0;  // sum of det P
     double maxPower = 0.0;
     glm::dvec3 ks{0.0};
     glm::dvec3 kdNormal[3] = {}; // Kd N for each colour channel

@@ -3,11 +3,14 @@
 // exponentially for such functions once its spacing falls below the width (Trefethen and Weideman
 // 2014, "The exponentially convergent trapezoidal rule").
 #pragma once
-#include "moments.h"
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <vector>
 
 namespace lumel::baker {
 
-// Nodes as arrays, padded to a multiple of the widest vector by nodes of no area.
+// Nodes as arrays; pad() appends nodes of no area, one at least, up to a multiple of the widest vector.
 struct NodeSet {
     std::vector<float> x, y, z; // unit half vectors
     std::vector<float> area;    // of the disc
@@ -18,66 +21,40 @@ struct NodeSet {
     void pad();
 };
 
-// One texel's lobes as indices into a Lobes block with their shares of the texel's area.
-struct Member {
-    uint32_t lobe;
-    float share;
+// Which nodes a sum is taken on: the points (i, j) * spacing in Lambert's azimuthal equal-area map of the
+// hemisphere, or a rule for the whole disc where lobes are broad. Lambert's map keeps lobes nearly round at
+// any tilt and has no singularity at the rim: h.xy = l sqrt(1 - |l|^2 / 4), h.z = 1 - |l|^2 / 2, and
+// dx dy = h.z dl.
+struct Nodes {
+    float spacing = 0.0f;
+    const NodeSet* rule = nullptr;
+    bool operator==(const Nodes&) const = default;
 };
 
-// A lattice that covers the lobes of one texel (or, over a whole map, of all of them).
-// It is laid out in Lambert's azimuthal equal-area map of the hemisphere, which keeps lobes nearly
-// round at any tilt and has no singularity at the rim: h.xy = l sqrt(1 - |l|^2 / 4), h.z = 1 - |l|^2 / 2,
-// and dx dy = h.z dl.
-class Lattice {
-public:
-    // Nodes for the members of one texel; `mean` are their mean moments.
-    void plan(const Lobes& lobes, const std::vector<Member>& members, const Moments& mean, NodeSet& nodes);
+// Spacing in standard deviations of a lobe. Products of two equal lobes have a Fourier transform
+// exp(-(w sigma)^2 / 4): the rule's error is 4 exp(-pi^2) = 2e-4 of them.
+inline constexpr double kSpacing = 1.0;
+// Up to this power lobes reach the rim of the disc, where a lattice ends abruptly; the product rule
+// (Gauss-Legendre in h.z, trapezoidal in the angle) covers the disc without an edge.
+inline constexpr double kDiscRulePower = 14.0;
+// Up to this power the same rule serves where a lobe reaches the rim because it is tilted.
+inline constexpr double kRimRulePower = 80.0;
+// Most lattice points of one sum. Lobes too narrow for that are sampled too sparsely for their own sake,
+// which only shows where few of them stand alone.
+inline constexpr int kMaxNodes = 4096;
 
-private:
-    void cover(glm::vec2 lower, glm::vec2 step, int n1, int n2);
-    void layOut(const struct Whitening& whitening, glm::vec2 lower, glm::vec2 step, int n1, int n2,
-                NodeSet& nodes);
-    std::vector<glm::vec3> discs_;       // of the members: whitened centre and radius
-    std::vector<unsigned char> covered_; // lattice points within some disc
+const NodeSet& discRule(double power);
+
+// Lattice points around a lobe, row by row; the coordinates are padded to whole vectors.
+struct Stencil {
+    struct Run {
+        int y, x, count;
+    };
+    std::vector<Run> runs;
+    std::vector<float> x, y;
+    int reach = 0;
 };
-
-// A lattice for any texel of a map, or the rule for the whole disc where lobes are broad.
-class SharedLattice {
-public:
-    // All lobes lie in [lower, upper] (Lambert); those that matter have at most `power`. No more
-    // than `mostNodes` nodes: narrower lobes then are sampled too sparsely for their own sake, which
-    // only shows where few of them stand alone.
-    void plan(glm::vec2 lower, glm::vec2 upper, double power, size_t mostNodes);
-
-    const NodeSet& nodes() const { return nodes_; }
-    // Runs of consecutive nodes that cover the disc of a lobe: calls run(first, count).
-    template<class Run>
-    void around(glm::vec2 centre, float radius, const Run& run) const
-    {
-        if (across_ == 0)
-            return run(size_t(0), nodes_.size());
-        const int first = std::max(0, int(std::ceil((centre.y - radius - from_.y) / step_.y - 0.5f)));
-        const int last = std::min(down_ - 1, int(std::floor((centre.y + radius - from_.y) / step_.y - 0.5f)));
-        for (int j = first; j <= last; ++j) {
-            const float dy = from_.y + (float(j) + 0.5f) * step_.y - centre.y;
-            const float half = std::sqrt(std::max(0.0f, radius * radius - dy * dy));
-            const int begin = std::max(0, int(std::ceil((centre.x - half - from_.x) / step_.x - 0.5f)));
-            const int end =
-                std::min(across_ - 1, int(std::floor((centre.x + half - from_.x) / step_.x - 0.5f)));
-            if (begin <= end)
-                run(size_t(j) * size_t(stride_) + size_t(begin), size_t(end - begin + 1));
-        }
-    }
-
-private:
-    NodeSet nodes_;
-    glm::vec2 from_{0.0f}, step_{1.0f};
-    int across_ = 0, down_ = 0; // 0: not a lattice
-    int stride_ = 0;            // nodes from row to row: whole vectors
-};
-
-// Radius of a lobe's support in Lambert's map, given the smaller eigenvalue of its precision.
-float supportRadius(float lowestPower);
+const Stencil& stencilFor(float radius); // in spacings
 
 inline glm::vec2 lambert(float nx, float ny, float nz)
 {
@@ -85,6 +62,12 @@ inline glm::vec2 lambert(float nx, float ny, float nz)
     return {nx * g, ny * g};
 }
 
-inline constexpr size_t kMaxNodes = 4096;
+// Radius of a lobe's support in Lambert's map, which stretches it by up to 1 / cos(theta / 2);
+// `lowestPower` is the smaller eigenvalue of its precision. Beyond lies exp(-kMargin^2) = 4e-5 of its square.
+inline constexpr float kMargin = 3.2f;
+inline float supportRadius(float nz, float lowestPower)
+{
+    return std::min(2.9f, kMargin * std::sqrt(2.0f / ((1.0f + nz) * lowestPower)));
+}
 
 } // namespace lumel::baker

@@ -13,25 +13,23 @@ Solver::Solver(const Options& options, bool colouredSpecular)
 {
 }
 
-void Solver::add(const TexelTask& task, const NodeSet& nodes, const float* const* g)
+void Solver::add(const TexelTask& task, const Cell& cell)
 {
     Texel texel;
     texel.task = task;
-    texel.firstNode = x_.size();
-    texel.nodeCount = nodes.size();
-    x_.insert(x_.end(), nodes.x.begin(), nodes.x.end());
-    y_.insert(y_.end(), nodes.y.begin(), nodes.y.end());
-    z_.insert(z_.end(), nodes.z.begin(), nodes.z.end());
+    texel.firstNode = nodes_.size();
+    cell.patch.appendTo(nodes_, channelWeight_, float(1.0 / cell.sum.weight), channels());
+    texel.nodeCount = nodes_.size() - texel.firstNode;
     double energy = 0.0;
-    for (size_t k = 0; k < nodes.size(); ++k) {
-        const float value = coloured_ ? float(luminance({g[0][k], g[1][k], g[2][k]})) : g[0][k];
-        const float weight = nodes.area[k] * value;
-        weight_.push_back(weight);
-        energy += double(weight) * value;
+    for (size_t k = texel.firstNode; k < nodes_.size(); ++k) {
+        float value = channelWeight_[0][k];
+        if (coloured_)
+            value = float(luminance({value, channelWeight_[1][k], channelWeight_[2][k]}));
+        weight_.push_back(nodes_.area[k] * value);
+        energy += double(weight_.back()) * value;
+        for (int c = 0; c < channels(); ++c)
+            channelWeight_[c][k] *= nodes_.area[k];
     }
-    for (int c = 0; coloured_ && c < 3; ++c)
-        for (size_t k = 0; k < nodes.size(); ++k)
-            channelWeight_[c].push_back(nodes.area[k] * g[c][k]);
     texel.energy = std::max(float(energy), 1e-30f);
     // No fit needs to be narrower than the narrowest lobe it stands for; a little room for the
     // minimiser to cross on its way.
@@ -65,7 +63,7 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
         const Texel& t = texels_[starts[i].texel];
         FitJob& job = jobs_[i];
         const size_t n = t.firstNode;
-        job.nodes = {int(t.nodeCount), &x_[n], &y_[n], &z_[n], &weight_[n]};
+        job.nodes = {int(t.nodeCount), &nodes_.x[n], &nodes_.y[n], &nodes_.z[n], &weight_[n]};
         job.mixture = terms_.data() + t.firstTerm;
         job.mixtureCount = t.task.childCount;
         job.energy = t.energy;
@@ -117,7 +115,7 @@ void Solver::solve()
     Selection selection;
     starts_.clear();
     for (size_t t = 0; t < texels_.size(); ++t)
-        if (closedForm || texels_[t].task.uniform)
+        if (texels_[t].task.fixed)
             starts_.push_back({uint32_t(t), texels_[t].task.shape});
         else
             selection.push_back(uint32_t(t));
@@ -130,14 +128,15 @@ void Solver::solve()
     if (isotropic)
         fitIsotropic(selection);
     for (const Texel& texel : texels_) {
-        const bool ownKs = closedForm || texel.task.uniform;
+        const bool ownKs = texel.task.fixed;
         write(texel, texel.best[isotropic ? kIsotropic : kAnisotropic], texel.task.texel, ownKs);
         if (texel.task.shadow)
             write(texel, texel.best[kAnisotropic], texel.task.shadow, ownKs);
     }
     texels_.clear();
     terms_.clear();
-    for (auto* v : {&x_, &y_, &z_, &weight_, channelWeight_, channelWeight_ + 1, channelWeight_ + 2})
+    nodes_.clear();
+    for (auto* v : {&weight_, channelWeight_, channelWeight_ + 1, channelWeight_ + 2})
         v->clear();
 }
 
@@ -179,7 +178,7 @@ void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, boo
     for (int c = 0; c < 3; ++c) {
         FitJob job;
         const size_t n = texel.firstNode;
-        job.nodes = {int(texel.nodeCount), &x_[n], &y_[n], &z_[n], &channelWeight_[c][n]};
+        job.nodes = {int(texel.nodeCount), &nodes_.x[n], &nodes_.y[n], &nodes_.z[n], &channelWeight_[c][n]};
         toUnknowns(found.shape, job.maxLog, job.unknowns);
         if (scratch_.size() < 4 * texel.nodeCount * kMaxLanes)
             scratch_.resize(4 * texel.nodeCount * kMaxLanes);

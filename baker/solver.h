@@ -1,8 +1,7 @@
 // From a batch of texels with their average reflectance at quadrature nodes to fitted texels.
 #pragma once
+#include "cell.h"
 #include "fit_kernel.h"
-#include "moments.h"
-#include "quadrature.h"
 #include <array>
 
 namespace lumel::baker {
@@ -10,8 +9,9 @@ namespace lumel::baker {
 // What the solver is told of one texel.
 struct TexelTask {
     Moments mean;         // mean moments of its lobes
-    Shape shape;          // closed-form lobe, when the method is not `fit` or the texel is uniform
-    bool uniform = false; // all its lobes are `shape`: the fit is that lobe, exactly
+    bool fixed = false;   // nothing to fit: the method is a closed form, or the texel is uniform
+    Shape shape;          // the lobe then
+    bool uniform = false; // all its lobes are `shape`: no error
     // Lobes of the finer level under it with their Ks (luminance) and share of the area.
     struct Child {
         Shape shape;
@@ -30,9 +30,8 @@ class Solver {
 public:
     explicit Solver(const Options& options, bool colouredSpecular);
 
-    // Adds a texel whose average reflectance is g[channel][node]; one channel (luminance) unless the
-    // specular is coloured.
-    void add(const TexelTask& task, const NodeSet& nodes, const float* const* g);
+    // Adds a texel with its sums; one channel (luminance) unless the specular is coloured.
+    void add(const TexelTask& task, const Cell& cell);
     // Solves and writes what was added, and forgets it.
     void solve();
 
@@ -79,7 +78,8 @@ private:
     Options options_;
     bool coloured_;
     std::vector<Texel> texels_;
-    std::vector<float> x_, y_, z_, weight_, channelWeight_[3]; // nodes of all texels
+    NodeSet nodes_;                                // of all texels
+    std::vector<float> weight_, channelWeight_[3]; // area * G there
     std::vector<MixtureTerm> terms_;
     std::vector<FitJob> jobs_;
     std::vector<FitJob*> order_;

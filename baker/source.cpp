@@ -122,16 +122,14 @@ Source::Source(const Maps& maps) : maps_(maps)
         checkConstant(maps.specularConstant[c], 0.0f, "specular");
         checkConstant(maps.diffuseConstant[c], 0.0f, "diffuse");
     }
-    for (const Image* image : {&maps.height, &maps.normal, &maps.power, &maps.roughness,
-                               &maps.tangentRotation, &maps.specular, &maps.diffuse}) {
-        width_ = std::max(width_, image->width);
-        height_ = std::max(height_, image->height);
-    }
+    width_ = mapSize(maps).x;
+    height_ = mapSize(maps).y;
     const glm::vec2 p = maps.anisotropicPower;
     isotropic_ = p.x <= 0.0f || p.y <= 0.0f || p.x == p.y;
     colouredSpecular_ = maps.specular.channels >= 3;
     maxPower_ = shared::kMaxPower;
-    if (maps.power.empty() && maps.roughness.empty())
+    constantPower_ = maps.power.empty() && maps.roughness.empty();
+    if (constantPower_)
         maxPower_ = clampPower(isotropic_ && p.x <= 0.0f ? maps.powerConstant : std::max(p.x, p.y));
 }
 
@@ -167,11 +165,22 @@ void Source::readPowers(int y, int x0, int x1, Lobes& out, size_t at) const
     const bool aniso = pair.x > 0.0f && pair.y > 0.0f;
     const float ratio = aniso ? std::sqrt(pair.x / pair.y) : 1.0f;
     const Image& map = maps_.roughness.empty() ? maps_.power : maps_.roughness;
+    if (map.empty() && !aniso) {
+        const auto fill = [&](std::vector<float>& values, float value) {
+            std::fill_n(values.begin() + ptrdiff_t(at), x1 - x0, value);
+        };
+        fill(out.sxx, 1.0f / clampPower(maps_.powerConstant));
+        fill(out.sxy, 0.0f);
+        fill(out.syy, 1.0f / clampPower(maps_.powerConstant));
+        return;
+    }
     for (int x = x0; x < x1; ++x, ++at) {
         float mean = aniso ? std::sqrt(pair.x * pair.y) : maps_.powerConstant;
         if (!map.empty()) {
-            const Sampler sampler(*this, map.width, map.height, x, y);
-            const float value = sampler.blend([&](int i, int j) { return *map.at(i, j); });
+            const auto get = [&](int i, int j) { return *map.at(i, j); };
+            const float value = map.width == width_ && map.height == height_
+                                    ? get(x, y)
+                                    : Sampler(*this, map.width, map.height, x, y).blend(get);
             mean = maps_.roughness.empty() ? value : powerFromRoughness(value);
         }
         const float su = 1.0f / clampPower(mean * ratio);
@@ -198,14 +207,18 @@ void Source::readColours(const Image& image, glm::vec3 constant, int y, int x0, 
                          std::vector<float>* channels, size_t at) const
 {
     for (int c = 0; c < 3; ++c) {
+        float* out = channels[c].data() + at;
+        if (image.empty()) {
+            std::fill_n(out, x1 - x0, std::clamp(constant[c], 0.0f, kMaxReflectance));
+            continue;
+        }
         const int channel = image.channels >= 3 ? c : 0;
+        const bool sameSize = image.width == width_ && image.height == height_;
         for (int x = x0; x < x1; ++x) {
-            float value = constant[c];
-            if (!image.empty()) {
-                const Sampler sampler(*this, image.width, image.height, x, y);
-                value = sampler.blend([&](int i, int j) { return image.at(i, j)[channel]; });
-            }
-            channels[c][at + size_t(x - x0)] = std::clamp(value, 0.0f, kMaxReflectance);
+            const auto get = [&](int i, int j) { return image.at(i, j)[channel]; };
+            const float value =
+                sameSize ? get(x, y) : Sampler(*this, image.width, image.height, x, y).blend(get);
+            out[x - x0] = std::clamp(value, 0.0f, kMaxReflectance);
         }
     }
 }

@@ -28,6 +28,7 @@ public:
     int height() const { return height_; }
     bool isotropic() const { return isotropic_; }               // every S is a multiple of the identity
     bool colouredSpecular() const { return colouredSpecular_; } // Ks varies in more than brightness
+    bool constantPower() const { return constantPower_; }       // one S for all texels, up to its direction
     // Largest power of any texel: bounds how narrow any lobe can be.
     float maxPower() const { return maxPower_; }
 
@@ -47,6 +48,7 @@ private:
     int height_ = 0;
     bool isotropic_ = true;
     bool colouredSpecular_ = false;
+    bool constantPower_ = false;
     float maxPower_ = 1.0f;
 };
 

@@ -1,3 +1,4 @@
+#include "baker/footprint.h"
 #include "baker/manifest.h"
 #include "baker/report.h"
 #include "commands.h"
@@ -92,12 +93,19 @@ void runBake(const BakeArguments& arguments)
                       baker::progressUnits(maps) +
                           (arguments.reports.empty() ? 0 : baker::measureUnits(maps, arguments.options)));
     const auto bakeStart = std::chrono::steady_clock::now();
-    const baker::ReflectanceMips mips = baker::bake(maps, arguments.options, &progress);
+    // Only a report needs the levels after they are written.
+    const bool keeps = !arguments.reports.empty();
+    const baker::ReflectanceMips mips =
+        keeps ? baker::bake(maps, arguments.options, &progress)
+              : baker::bakeExr(arguments.output, maps, arguments.options, arguments.asFloat, &progress);
     const double bakeSeconds = secondsSince(bakeStart);
-    baker::writeExr(arguments.output, mips, arguments.asFloat);
-    const auto& base = mips.levels.front();
+    if (keeps)
+        baker::writeExr(arguments.output, mips, arguments.asFloat);
+    const glm::ivec2 size = baker::mapSize(maps);
+    const int reduce = arguments.options.reduce;
     progress.print(fmt::format("{}: {} x {}, {} levels, {} {}, {:.2f} s", arguments.output.string(),
-                               base.width, base.height, mips.levels.size(), mips.method, mips.model,
+                               baker::levelSize(size.x, reduce), baker::levelSize(size.y, reduce),
+                               baker::levelCount(size.x, size.y) - reduce, mips.method, mips.model,
                                secondsSince(start)));
     if (arguments.reports.empty())
         return;
