@@ -1,16 +1,19 @@
 #include "commands.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/progress.h"
 #include "frame.h"
 #include <charconv>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 namespace lumel {
 namespace {
 
 constexpr const char* kShadingNames[] = {"tsl", "forward", "reference"};
 constexpr const char* kFilterNames[] = {"fit", "average", "flat", "height", "toksvig", "lean"};
+constexpr const char* kPathNames[] = {"still", "orbit", "dolly"};
 
 scene::Camera chooseCamera(const ShotArguments& arguments, const scene::Scene& scene)
 {
@@ -44,6 +47,111 @@ scene::Camera chooseCamera(const ShotArguments& arguments, const scene::Scene& s
                             known.empty() ? " none: leave --camera out" : known));
 }
 
+// The file of each frame: `output` itself, or `output` with its %d or %0Nd replaced by the frame's number.
+class FrameFiles {
+public:
+    explicit FrameFiles(const std::filesystem::path& output, int frames) : output_(output)
+    {
+        const std::string name = output.filename().string();
+        const std::regex conversion("%(?:0([1-9]))?d");
+        std::smatch match;
+        if (std::regex_search(name, match, conversion)) {
+            before_ = match.prefix();
+            after_ = match.suffix();
+            digits_ = match[1].matched ? std::stoi(match[1]) : 1;
+            numbered_ = true;
+        }
+        // A lone % is a letter like any other, but among many frames it is more likely a slip.
+        if (std::regex_search(after_, conversion) ||
+            (frames > 1 && (numbered_ ? before_ + after_ : name).find('%') != std::string::npos))
+            throw Error(
+                fmt::format("{}: write one %d or %04d where the frame's number goes", output.string()));
+    }
+    bool numbered() const { return numbered_; }
+    std::filesystem::path of(int frame) const
+    {
+        if (!numbered_)
+            return output_;
+        return output_.parent_path() / fmt::format("{}{:0{}}{}", before_, frame, digits_, after_);
+    }
+
+private:
+    std::filesystem::path output_;
+    std::string before_, after_;
+    int digits_ = 1;
+    bool numbered_ = false;
+};
+
+double stepOf(const ShotArguments& arguments)
+{
+    constexpr double kUsualStep[] = {0.0, 0.5, 1.0}; // nothing, degrees, percent
+    return arguments.step.value_or(kUsualStep[size_t(arguments.path)]);
+}
+
+std::vector<FrameStats> renderFrames(const ShotArguments& arguments, const scene::Camera& camera,
+                                     const FrameFiles& files, Renderer& renderer)
+{
+    // The reference shows its own progress, sample by sample.
+    std::optional<Progress> progress;
+    if (arguments.settings.shading != Shading::reference)
+        progress.emplace("frames", size_t(arguments.frames));
+    std::vector<FrameStats> frames;
+    for (int i = 0; i < arguments.frames; ++i) {
+        frames.push_back(renderer.render(scene::cameraOnPath(camera, arguments.path, stepOf(arguments), i)));
+        if (files.numbered() || i + 1 == arguments.frames)
+            writeImage(files.of(i), arguments.output.extension() == ".exr" ? renderer.readRadiance()
+                                                                           : renderer.readDisplay());
+        if (progress)
+            progress->advance(1);
+    }
+    return frames;
+}
+
+RunInfo describeRun(const ShotArguments& arguments, const scene::Camera& camera, const gpu::Device& device)
+{
+    RunInfo run{.version = LUMEL_VERSION,
+                .device = device.properties().deviceName.data(),
+                .driver = device.driver(),
+                .scene = arguments.scene.string(),
+                .shading = kShadingNames[size_t(arguments.settings.shading)],
+                .filter = kFilterNames[size_t(arguments.filter)],
+                .width = arguments.settings.size.x,
+                .height = arguments.settings.size.y,
+                .options = {{"camera", camera.name},
+                            {"path", kPathNames[size_t(arguments.path)]},
+                            {"step", fmt::format("{}", stepOf(arguments))},
+                            {"samples", std::to_string(arguments.settings.samples)},
+                            {"msaa", std::to_string(arguments.settings.msaa)},
+                            {"anisotropy", fmt::format("{}", arguments.settings.anisotropy)},
+                            {"exposure", fmt::format("{}", arguments.settings.exposure)}}};
+    if (arguments.lights > 0)
+        run.options["lights"] = std::to_string(arguments.lights);
+    return run;
+}
+
+// One line: what was rendered, how long it took, how much was lit.
+void printSummary(const ShotArguments& arguments, const RunInfo& run, const std::string& cameraName,
+                  const std::vector<FrameStats>& frames)
+{
+    std::string line =
+        fmt::format("{}: {} x {}, {}, filter {}, camera {}", arguments.output.string(), run.width, run.height,
+                    run.shading, run.filter, cameraName.empty() ? "framed" : cameraName);
+    const FrameStats& first = frames.front();
+    if (frames.size() == 1) {
+        line += fmt::format(", {} lumels lit, {:.0f} ms", first.lumelsLit, first.ms);
+    } else {
+        double lumels = 0.0, ms = 0.0;
+        const auto later = double(frames.size() - 1);
+        for (size_t i = 1; i < frames.size(); ++i) {
+            lumels += double(frames[i].lumelsLit) / later;
+            ms += frames[i].ms / later;
+        }
+        line += fmt::format(", {} frames ({}): {} lumels lit in {:.0f} ms, then {:.0f} in {:.1f} ms a frame",
+                            frames.size(), run.options.at("path"), first.lumelsLit, first.ms, lumels, ms);
+    }
+    fmt::print("{} on {}\n", line, run.device);
+}
+
 } // namespace
 
 void runShot(const ShotArguments& arguments)
@@ -52,8 +160,13 @@ void runShot(const ShotArguments& arguments)
     if (extension != ".png" && extension != ".exr")
         throw Error(fmt::format("{}: unknown picture format; end the name in .png or .exr",
                                 arguments.output.string()));
-    checkWritable(arguments.output);
-    const scene::Scene scene = scene::loadGltf(arguments.scene);
+    const FrameFiles files(arguments.output, arguments.frames);
+    checkWritable(files.of(0));
+    if (!arguments.stats.empty())
+        checkWritable(arguments.stats);
+    scene::Scene scene = scene::loadGltf(arguments.scene);
+    if (arguments.lights > 0)
+        scene.lights = scene::lightRing(arguments.lights, scene.bounds);
     const scene::Camera camera = chooseCamera(arguments, scene);
     const auto materials = scene::bakeMaterials(scene, {.method = arguments.filter,
                                                         .model = arguments.model,
@@ -61,26 +174,11 @@ void runShot(const ShotArguments& arguments)
                                                         .threads = arguments.threads});
     const gpu::Device device(arguments.device);
     Renderer renderer(device, scene, materials, arguments.settings);
-    const FrameStats stats = renderer.render(camera);
-    writeImage(arguments.output, extension == ".exr" ? renderer.readRadiance() : renderer.readDisplay());
-    const RunInfo run{.version = LUMEL_VERSION,
-                      .device = device.properties().deviceName.data(),
-                      .driver = device.driver(),
-                      .scene = arguments.scene.string(),
-                      .shading = kShadingNames[size_t(arguments.settings.shading)],
-                      .filter = kFilterNames[size_t(arguments.filter)],
-                      .width = arguments.settings.size.x,
-                      .height = arguments.settings.size.y,
-                      .options = {{"camera", camera.name},
-                                  {"samples", std::to_string(arguments.settings.samples)},
-                                  {"msaa", std::to_string(arguments.settings.msaa)},
-                                  {"anisotropy", fmt::format("{}", arguments.settings.anisotropy)},
-                                  {"exposure", fmt::format("{}", arguments.settings.exposure)}}};
+    const std::vector<FrameStats> frames = renderFrames(arguments, camera, files, renderer);
+    const RunInfo run = describeRun(arguments, camera, device);
     if (!arguments.stats.empty())
-        writeFileAtomically(arguments.stats, statsJson(run, {stats}).dump(1) + "\n");
-    fmt::print("{}: {} x {}, {}, filter {}, camera {}, {} lumels lit, {:.0f} ms on {}\n",
-               arguments.output.string(), run.width, run.height, run.shading, run.filter,
-               camera.name.empty() ? "framed" : camera.name, stats.lumelsLit, stats.ms, run.device);
+        writeFileAtomically(arguments.stats, statsJson(run, frames).dump(1) + "\n");
+    printSummary(arguments, run, camera.name, frames);
     if (!device.validationMessages().empty())
         throw Error(
             fmt::format("Vulkan validation: {} messages; report them", device.validationMessages().size()));

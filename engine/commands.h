@@ -3,6 +3,7 @@
 #include "baker/bake.h"
 #include "gpu/device.h"
 #include "passes/settings.h"
+#include "scene/camera_path.h"
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -31,6 +32,10 @@ struct ShotArguments {
     std::string camera; // name or index; empty = the first, or one that frames the scene
     std::optional<glm::vec3> eye, target;
     float fovDegrees = 40.0f; // vertical, with eye and target
+    int frames = 1;
+    scene::Path path = scene::Path::still;
+    std::optional<double> step; // degrees or percent a frame; none = the path's usual one
+    int lights = 0;             // 0 = the scene's
     baker::Method filter = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;
     bool useCache = true;

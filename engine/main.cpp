@@ -44,6 +44,8 @@ const std::map<std::string, Shading> kShadings = {
 const std::map<std::string, DrawFilter> kDrawFilters = {{"bilinear", DrawFilter::bilinear},
                                                         {"b-spline", DrawFilter::bspline},
                                                         {"catmull-rom", DrawFilter::catmullRom}};
+const std::map<std::string, scene::Path> kPaths = {
+    {"still", scene::Path::still}, {"orbit", scene::Path::orbit}, {"dolly", scene::Path::dolly}};
 const std::map<std::string, baker::Wrap> kWraps = {{"repeat", baker::Wrap::repeat},
                                                    {"clamp", baker::Wrap::clamp}};
 
@@ -121,6 +123,24 @@ void addDeviceOptions(CLI::App* command, ShotArguments& a)
                       "run under Vulkan validation; a message is a failure");
 }
 
+void addPath(CLI::App* command, ShotArguments& a)
+{
+    command->add_option("--frames", a.frames, "frames to render; the last is written, or with f_%04d.png all")
+        ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
+    command->add_option("--path", a.path, "how the camera moves: still, orbit or dolly")
+        ->transform(CLI::CheckedTransformer(kPaths).description(""))
+        ->default_str("still");
+    command
+        ->add_option("--step", a.step,
+                     "orbit: degrees a frame (0.5); dolly: percent of the distance a frame (1)")
+        ->check(CLI::Range(-360.0, 360.0));
+    command->callback([&a] {
+        if (a.path == scene::Path::dolly && a.step && *a.step >= 100.0)
+            throw CLI::ValidationError("--step", "a dolly of 100 percent or more passes its target");
+    });
+}
+
 void addShot(CLI::App& app, ShotArguments& a)
 {
     CLI::App* command = app.add_subcommand("shot", "Render a glTF scene to a picture");
@@ -151,6 +171,11 @@ void addShot(CLI::App& app, ShotArguments& a)
     command->add_option("--fov", a.fovDegrees, "vertical field of view in degrees, with --eye")
         ->check(CLI::Range(1.0, 170.0))
         ->capture_default_str();
+    addPath(command, a);
+    command
+        ->add_option("--lights", a.lights,
+                     "light the scene by N point and spot lights around it in place of its own")
+        ->check(CLI::Range(1, 4096));
     command->add_option("--shading", a.settings.shading, "tsl, forward or reference")
         ->transform(CLI::CheckedTransformer(kShadings).description(""))
         ->default_str("tsl");
@@ -183,7 +208,7 @@ void addShot(CLI::App& app, ShotArguments& a)
     command->add_flag("!--no-cache", a.useCache, "bake materials anew, do not touch the cache");
     command->add_option("--threads", a.threads, "threads of the baker, 0 = all cores")
         ->check(CLI::Range(0, 1024));
-    command->add_option("--stats", a.stats, "write the frame's statistics as JSON");
+    command->add_option("--stats", a.stats, "write the frames' statistics as JSON");
     addDeviceOptions(command, a);
 }
 

@@ -1,5 +1,6 @@
 // The camera and the lights of files that bring none.
 #include "scene.h"
+#include <numbers>
 
 namespace lumel::scene {
 
@@ -51,6 +52,39 @@ std::vector<Light> threeLightRig()
         light("fill", {-1.0f, -0.1f, 0.7f}, {0.78f, 0.88f, 1.0f}, 0.75f),
         light("rim", {-0.9f, 0.5f, -0.6f}, {0.95f, 0.97f, 1.0f}, 1.2f),
     };
+}
+
+// A Fibonacci spiral over the upper half of the sphere around the bounds: equal areas of sky for all.
+std::vector<Light> lightRing(int count, const Bounds& bounds)
+{
+    constexpr float kGolden = float(std::numbers::phi);
+    // Candela a square metre: the sum of all lights' illuminances at the centre, before their ranges'
+    // falloff.
+    constexpr float kTotalLux = 12.0f;
+    const float radius = bounds.empty() ? 1.0f : std::max(bounds.radius(), 1e-3f);
+    const glm::vec3 centre = bounds.empty() ? glm::vec3(0.0f) : bounds.centre();
+    std::vector<Light> lights;
+    for (int i = 0; i < count; ++i) {
+        const float turn = kGolden * float(i), height = (float(i) + 0.5f) / float(count);
+        const float angle = 2.0f * float(std::numbers::pi) * (turn - std::floor(turn));
+        const float across = std::sqrt(1.0f - height * height);
+        const glm::vec3 outwards(across * std::sin(angle), height, across * std::cos(angle));
+        Light light;
+        light.name = "ring " + std::to_string(i);
+        light.type = i % 2 == 0 ? LightType::point : LightType::spot;
+        light.position = centre + radius * outwards;
+        light.direction = -outwards;
+        light.intensity = kTotalLux * radius * radius / float(count);
+        // Point lights reach past the centre, not the far side; spots reach it within their cone.
+        light.range = (light.type == LightType::point ? 1.5f : 2.0f) * radius;
+        light.innerCone = glm::radians(20.0f);
+        light.outerCone = glm::radians(35.0f);
+        // Warm to cool around the ring, as bright on the whole as white.
+        const float warmth = 0.3f * std::cos(angle);
+        light.colour = {1.0f + warmth, 1.0f, 1.0f - warmth};
+        lights.push_back(light);
+    }
+    return lights;
 }
 
 } // namespace lumel::scene

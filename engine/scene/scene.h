@@ -107,4 +107,8 @@ Camera frameBounds(const Bounds& bounds, float aspect);
 // Key, fill and rim directional lights fixed to the scene: used when the file has no lights.
 std::vector<Light> threeLightRig();
 
+// `count` lights around the scene, point and spot in turn, for measurements: the more there are, the weaker
+// each is, so that the picture stays as bright.
+std::vector<Light> lightRing(int count, const Bounds& bounds);
+
 } // namespace lumel::scene

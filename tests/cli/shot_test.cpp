@@ -96,6 +96,66 @@ TEST_F(Shot, ExrHoldsRadiance)
     EXPECT_GE(image.channels, 3);
 }
 
+TEST_F(Shot, FramesAlongAPath)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    const Outcome outcome = run({"shot", "square.gltf", "--size", "64x48", "--frames", "3", "--path", "orbit",
+                                 "--step", "10", "--stats", "s.json", "-o", "f_%04d.png"});
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("3 frames (orbit)"), std::string::npos) << outcome.out;
+    for (const char* file : {"f_0000.png", "f_0001.png", "f_0002.png"})
+        EXPECT_TRUE(fs::exists(folder_ / file)) << file;
+    EXPECT_FALSE(fs::exists(folder_ / "f_0003.png"));
+    EXPECT_FALSE(readText(folder_ / "f_0000.png") == readText(folder_ / "f_0002.png"));
+    const auto stats = nlohmann::json::parse(readText(folder_ / "s.json"));
+    EXPECT_EQ(stats["frames"].size(), 3u);
+    EXPECT_EQ(stats["options"]["path"], "orbit");
+}
+
+TEST_F(Shot, WithoutANumberOnlyTheLastFrameIsWritten)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    const std::vector<std::string> start{"shot",    "square.gltf", "--size", "64x48",  "--shading",
+                                         "forward", "--path",      "dolly",  "--step", "20"};
+    const auto shoot = [&](std::vector<std::string> more) {
+        std::vector<std::string> arguments = start;
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+    };
+    shoot({"--frames", "2", "-o", "last.png"});
+    shoot({"--frames", "2", "-o", "%d.png"});
+    EXPECT_TRUE(readText(folder_ / "last.png") == readText(folder_ / "1.png"));
+    shoot({"-o", "100%.png"}); // one frame: a name like any other
+    EXPECT_TRUE(readText(folder_ / "100%.png") == readText(folder_ / "0.png"));
+}
+
+TEST_F(Shot, WrongPathsFail)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    for (const char* name : {"%d_%d.png", "%4d.png", "%s.png"})
+        expectOneLine(run({"shot", "square.gltf", "--frames", "2", "-o", name}), 1, "%04d");
+    expectOneLine(run({"shot", "square.gltf", "--frames", "0", "-o", "a.png"}), 2, "--frames");
+    expectOneLine(run({"shot", "square.gltf", "--path", "loop", "-o", "a.png"}), 2, "--path");
+    expectOneLine(run({"shot", "square.gltf", "--path", "dolly", "--step", "100", "-o", "a.png"}), 2,
+                  "--step");
+    expectOneLine(run({"shot", "square.gltf", "--lights", "0", "-o", "a.png"}), 2, "--lights");
+    expectOneLine(run({"shot", "square.gltf", "-o", "a.png", "--stats", "no/s.json"}), 1, "no/s.json");
+}
+
+TEST_F(Shot, LightsReplaceTheScenes)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    for (const std::string count : {"1", "64"}) {
+        const Outcome outcome =
+            run({"shot", "square.gltf", "--size", "64x48", "--lights", count, "-o", count + ".png"});
+        ASSERT_EQ(outcome.exitCode, 0) << outcome.err;
+        const Image image = readImage(folder_ / (count + ".png"));
+        EXPECT_GT(*std::max_element(image.pixels.begin(), image.pixels.end()), 0.2f) << count;
+    }
+    EXPECT_FALSE(readText(folder_ / "1.png") == readText(folder_ / "64.png"));
+}
+
 class Help : public Program {};
 
 TEST_F(Help, ListsTheCommandsOnStdout)

@@ -81,5 +81,44 @@ TEST(ThreeLightRig, WhiteDiffuseReachesAboutFourFifths)
     EXPECT_GT(brightestNormal.y, 0.2f) << "and from above";
 }
 
+TEST(LightRing, StandsAboveTheSceneAndReachesItsCentre)
+{
+    Bounds bounds;
+    bounds.add({-1, 0, -2});
+    bounds.add({3, 2, 2});
+    for (int count : {1, 4, 16, 64, 257}) {
+        const auto lights = lightRing(count, bounds);
+        ASSERT_EQ(lights.size(), size_t(count));
+        float sum = 0.0f;
+        glm::vec3 mean(0.0f);
+        for (const Light& light : lights) {
+            const float distance = glm::distance(light.position, bounds.centre());
+            EXPECT_GT(light.position.y, bounds.centre().y);
+            EXPECT_NEAR(distance, bounds.radius(), 1e-4f);
+            EXPECT_GT(light.range, distance);
+            EXPECT_NEAR(glm::length(light.direction), 1.0f, 1e-5f);
+            EXPECT_GT(glm::dot(light.direction, bounds.centre() - light.position), 0.0f);
+            sum += light.intensity / (distance * distance);
+            mean += (light.position - bounds.centre()) / float(count);
+        }
+        EXPECT_NEAR(sum, 12.0f, 1e-3f) << "as bright with any count";
+        EXPECT_EQ(lights.front().type, LightType::point);
+        if (count > 1) {
+            EXPECT_EQ(lights[1].type, LightType::spot);
+        }
+        if (count >= 16) {
+            EXPECT_LT(glm::length(glm::vec2(mean.x, mean.z)), 0.2f * bounds.radius()) << "evenly around";
+        }
+    }
+}
+
+TEST(LightRing, NothingGivesUsableLights)
+{
+    for (const Light& light : lightRing(3, Bounds{})) {
+        EXPECT_GT(light.range, 0.0f);
+        EXPECT_GT(light.intensity, 0.0f);
+    }
+}
+
 } // namespace
 } // namespace lumel::scene

@@ -1,0 +1,28 @@
+#include "camera_path.h"
+#include <cmath>
+
+namespace lumel::scene {
+
+Camera cameraOnPath(const Camera& start, Path path, double step, int index)
+{
+    Camera camera = start;
+    const glm::vec3 fromTarget = start.eye - start.target;
+    if (index == 0)
+        return camera;
+    if (path == Path::orbit) {
+        // Reduced in double: after many frames a float's angle would be off by more than a step.
+        const double degrees = std::fmod(step * index, 360.0);
+        const glm::quat turn = glm::angleAxis(float(glm::radians(degrees)), glm::vec3(0, 1, 0));
+        camera.eye = start.target + turn * fromTarget;
+        camera.up = turn * start.up;
+    }
+    if (path == Path::dolly) {
+        const auto share = float(std::pow(1.0 - step / 100.0, index));
+        camera.eye = start.target + share * fromTarget;
+        // What the start camera did not clip must not be clipped closer up.
+        camera.nearMetres = start.nearMetres * std::min(share, 1.0f);
+    }
+    return camera;
+}
+
+} // namespace lumel::scene
