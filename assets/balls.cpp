@@ -16,24 +16,6 @@ constexpr float kRadius = 0.1f; // metres
 
 // Reliefs and colours are functions of the point on the unit sphere, so charts meet without a seam.
 
-// The lattice point of one cell, moved at random inside it: scattered points, evenly dense.
-struct Scattered {
-    glm::vec3 offset; // from the place that asks, in cells
-    int id;
-};
-
-template<class Visit>
-void forNeighbours(glm::vec3 q, const Visit& visit)
-{
-    const glm::ivec3 cell = glm::ivec3(glm::floor(q));
-    for (int k = 0; k < 27; ++k) {
-        const glm::ivec3 c = cell + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
-        const int id = int(hash(uint32_t(c.x) + hash(uint32_t(c.y) + hash(uint32_t(c.z)))));
-        const glm::vec3 jitter(random01(id, 1), random01(id, 2), random01(id, 3));
-        visit(Scattered{glm::vec3(c) + jitter - q, id});
-    }
-}
-
 // Round bumps of many sizes over gentle waves, like cast iron under enamel.
 float bumpy(glm::vec3 p)
 {
@@ -157,7 +139,8 @@ void writeBalls(const std::filesystem::path& folder)
         if (kBalls[i].brickColours)
             look.colourImage = gltf.addColour(kBalls[i].name, brickColours);
         const int material = gltf.addMaterial(kBalls[i].name, look);
-        gltf.addObject(kBalls[i].name, shape, material, {2.3f * kRadius * (float(i) - 2.0f), kRadius, 0.0f});
+        gltf.addObject(kBalls[i].name, shape, material,
+                       {.position = {2.3f * kRadius * (float(i) - 2.0f), kRadius, 0.0f}});
     }
     const int floor = gltf.addMaterial("floor", {.baseColour = {0.06f, 0.06f, 0.065f}, .power = 30.0f});
     gltf.addObject("floor", gltf.addShape(floorGrid(12.0f, 12.0f, 8)), floor);
@@ -165,6 +148,7 @@ void writeBalls(const std::filesystem::path& folder)
     gltf.addCamera("default", {0.0f, 0.26f, 1.05f}, {0.0f, 0.09f, 0.0f}, 40.0f, 0.02f);
     gltf.addCamera("near", {0.10f, 0.17f, 0.40f}, {0.02f, 0.095f, 0.0f}, 40.0f, 0.01f);
     gltf.addCamera("far", {0.6f, 1.1f, 3.6f}, {0.0f, 0.05f, 0.0f}, 30.0f, 0.05f);
+    gltf.addCamera("middle", {0.45f, 0.62f, 1.9f}, {0.0f, 0.06f, 0.0f}, 34.0f, 0.03f);
     gltf.addDirectional("key", {-0.6f, 0.9f, 0.7f}, {1.0f, 0.94f, 0.84f}, 3.2f);
     gltf.addDirectional("rim", {0.8f, 0.5f, -0.6f}, {0.65f, 0.80f, 1.0f}, 3.0f);
     gltf.addDirectional("fill", {0.5f, 0.25f, 0.9f}, {0.9f, 0.95f, 1.0f}, 1.1f);

@@ -59,6 +59,7 @@ void writeBricks(const std::filesystem::path& folder)
     gltf.addCamera("default", {0.0f, 1.65f, 11.0f}, {0.0f, 1.0f, 5.0f}, 34.0f, 0.05f); // standing height
     gltf.addCamera("near", {0.3f, 0.55f, 1.0f}, {0.1f, 0.0f, 0.0f}, 45.0f, 0.02f);
     gltf.addCamera("far", {9.0f, 14.0f, 26.0f}, {0.0f, 0.0f, 0.0f}, 40.0f, 0.1f);
+    gltf.addCamera("middle", {2.5f, 2.6f, 11.5f}, {0.5f, 0.0f, 2.0f}, 40.0f, 0.05f);
     gltf.addDirectional("low sun", {0.25f, 0.42f, -1.0f}, {1.0f, 0.80f, 0.58f}, 2.0f);
     gltf.addDirectional("sky", {-0.6f, 1.0f, 0.5f}, {0.55f, 0.70f, 1.0f}, 1.4f);
     gltf.write();

@@ -27,16 +27,15 @@ glm::vec3 onSphere(const Face& face, glm::vec2 angles)
 
 constexpr float kQuarterTurn = float(std::numbers::pi) / 2;
 
-// The orthonormal frame nearest to the two surface directions (their polar decomposition): where a chart
-// is skewed, both axes share the error, and neighbouring charts agree better than if one axis took it all.
+} // namespace
+
 glm::vec3 tangentOf(glm::vec3 alongU, glm::vec3 alongUp, glm::vec3 normal)
 {
     const glm::vec3 u = glm::normalize(alongU), up = glm::normalize(alongUp);
     const glm::vec3 fromUp = glm::cross(up, normal); // where u would be if the chart were square
-    return glm::normalize(u + fromUp);
+    const glm::vec3 tangent = glm::normalize(u + fromUp);
+    return glm::normalize(tangent - normal * glm::dot(normal, tangent));
 }
-
-} // namespace
 
 uint32_t Shape::add(glm::vec3 position, glm::vec3 normal, glm::vec3 tangent, glm::vec2 uv)
 {
@@ -105,9 +104,8 @@ Shape ball(float radius, int divisions)
                 const glm::vec3 n = onSphere(face, angles);
                 const glm::vec3 alongU = onSphere(face, angles + glm::vec2(kStep, 0)) - n;
                 const glm::vec3 alongUp = onSphere(face, angles + glm::vec2(0, kStep)) - n;
-                glm::vec3 tangent = tangentOf(alongU, alongUp, n);
-                tangent = glm::normalize(tangent - n * glm::dot(n, tangent));
-                shape.add(radius * n, n, tangent, (corner + kInner * t) / float(kBallMap));
+                shape.add(radius * n, n, tangentOf(alongU, alongUp, n),
+                          (corner + kInner * t) / float(kBallMap));
             }
         const uint32_t row = uint32_t(divisions) + 1;
         for (uint32_t j = 0; j + 1 < row; ++j)

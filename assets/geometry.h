@@ -18,6 +18,10 @@ struct Shape {
     void quad(uint32_t a, uint32_t b, uint32_t c, uint32_t d); // in ring order, either way round
 };
 
+// The orthonormal frame nearest to the two surface directions (their polar decomposition): where a chart is
+// skewed, both axes share the error, and neighbouring charts agree better than if one axis took it all.
+glm::vec3 tangentOf(glm::vec3 alongU, glm::vec3 alongUp, glm::vec3 normal);
+
 // One point of a lathe's profile. Metres; y is up. Two points at one place with different normals make
 // an edge. `uvRadius` in units of the map's width: the distance along the profile keeps texels square.
 struct ProfilePoint {

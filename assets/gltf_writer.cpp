@@ -77,6 +77,8 @@ int GltfWriter::addMaterial(const std::string& name, const MaterialLook& look)
                        {"metallicFactor", look.metallic},
                        {"roughnessFactor", roughness}}},
                      {"extras", {{"lumel", {{"power", look.power}}}}}};
+    if (look.glow != glm::vec3(0.0f))
+        material["emissiveFactor"] = toJson(look.glow);
     if (look.colourImage >= 0)
         material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", look.colourImage}};
     if (look.heightImage >= 0) {
@@ -135,12 +137,22 @@ int GltfWriter::addNode(json node)
     return index;
 }
 
-void GltfWriter::addObject(const std::string& name, int shape, int material, glm::vec3 position)
+void GltfWriter::addObject(const std::string& name, int shape, int material, const Placement& placement)
 {
-    json primitive = shapes_[size_t(shape)]; // a shape drawn with several materials shares its vertices
-    primitive["material"] = material;
-    json_["meshes"].push_back({{"name", name}, {"primitives", {primitive}}});
-    addNode({{"name", name}, {"mesh", json_["meshes"].size() - 1}, {"translation", toJson(position)}});
+    const auto [mesh, isNew] = meshes_.try_emplace({shape, material}, meshes_.size());
+    if (isNew) {
+        json primitive = shapes_[size_t(shape)]; // a shape drawn with several materials shares its vertices
+        primitive["material"] = material;
+        json_["meshes"].push_back({{"name", name}, {"primitives", {primitive}}});
+    }
+    json node = {{"name", name}, {"mesh", mesh->second}, {"translation", toJson(placement.position)}};
+    if (placement.turnDegrees != 0.0f) {
+        const float half = glm::radians(0.5f * placement.turnDegrees);
+        node["rotation"] = {0.0f, std::sin(half), 0.0f, std::cos(half)};
+    }
+    if (placement.scale != 1.0f)
+        node["scale"] = toJson(glm::vec3(placement.scale));
+    addNode(std::move(node));
 }
 
 void GltfWriter::addCamera(const std::string& name, glm::vec3 eye, glm::vec3 target, float yFovDegrees,
@@ -156,24 +168,41 @@ void GltfWriter::addCamera(const std::string& name, glm::vec3 eye, glm::vec3 tar
              {"rotation", rotationTo(target - eye)}});
 }
 
-void GltfWriter::addLight(const std::string& name, const char* type, glm::vec3 colour, float intensity,
-                          json place)
+void GltfWriter::addLight(json light, json place)
 {
     json& lights = json_["extensions"]["KHR_lights_punctual"]["lights"];
-    lights.push_back({{"name", name}, {"type", type}, {"color", toJson(colour)}, {"intensity", intensity}});
-    place["name"] = name;
+    place["name"] = light["name"];
+    lights.push_back(std::move(light));
     place["extensions"] = {{"KHR_lights_punctual", {{"light", lights.size() - 1}}}};
     addNode(std::move(place));
 }
 
 void GltfWriter::addDirectional(const std::string& name, glm::vec3 from, glm::vec3 colour, float lux)
 {
-    addLight(name, "directional", colour, lux, {{"rotation", rotationTo(-from)}});
+    addLight({{"name", name}, {"type", "directional"}, {"color", toJson(colour)}, {"intensity", lux}},
+             {{"rotation", rotationTo(-from)}});
 }
 
-void GltfWriter::addPoint(const std::string& name, glm::vec3 position, glm::vec3 colour, float candela)
+void GltfWriter::addPoint(const std::string& name, glm::vec3 position, glm::vec3 colour, float candela,
+                          float range)
 {
-    addLight(name, "point", colour, candela, {{"translation", toJson(position)}});
+    json light = {{"name", name}, {"type", "point"}, {"color", toJson(colour)}, {"intensity", candela}};
+    if (range > 0.0f)
+        light["range"] = range;
+    addLight(std::move(light), {{"translation", toJson(position)}});
+}
+
+void GltfWriter::addSpot(const std::string& name, glm::vec3 position, glm::vec3 target, glm::vec3 colour,
+                         float candela, float range, float outerConeDegrees)
+{
+    const float outer = glm::radians(outerConeDegrees);
+    addLight({{"name", name},
+              {"type", "spot"},
+              {"color", toJson(colour)},
+              {"intensity", candela},
+              {"range", range},
+              {"spot", {{"innerConeAngle", 0.6f * outer}, {"outerConeAngle", outer}}}},
+             {{"translation", toJson(position)}, {"rotation", rotationTo(target - position)}});
 }
 
 void GltfWriter::write() const

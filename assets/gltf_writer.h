@@ -3,6 +3,7 @@
 #include "geometry.h"
 #include "maps.h"
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -13,8 +14,15 @@ struct MaterialLook {
     glm::vec3 baseColour{0.5f}; // linear; reflectance at normal incidence when metallic
     float metallic = 0.0f;
     float power = 50.0f;  // Blinn-Phong; the file's roughness is derived from it
+    glm::vec3 glow{0.0f}; // emitted radiance, at most 1
     int colourImage = -1; // from addColour()
     int heightImage = -1; // from addHeight()
+};
+
+struct Placement {
+    glm::vec3 position{0.0f};
+    float turnDegrees = 0.0f; // about +Y
+    float scale = 1.0f;
 };
 
 class GltfWriter {
@@ -27,20 +35,23 @@ public:
     int addHeight(const std::string& name, const HeightMap& map);
     int addMaterial(const std::string& name, const MaterialLook& look);
     int addShape(const Shape& shape);
-    void addObject(const std::string& name, int shape, int material, glm::vec3 position = glm::vec3(0.0f));
+    // Objects of one shape and one material share a mesh.
+    void addObject(const std::string& name, int shape, int material, const Placement& placement = {});
     void addCamera(const std::string& name, glm::vec3 eye, glm::vec3 target, float yFovDegrees,
                    float nearMetres);
     // lux; the light travels from `from` towards the origin.
     void addDirectional(const std::string& name, glm::vec3 from, glm::vec3 colour, float lux);
-    void addPoint(const std::string& name, glm::vec3 position, glm::vec3 colour, float candela);
+    // Nothing farther than `range` metres is lit; 0 = no limit.
+    void addPoint(const std::string& name, glm::vec3 position, glm::vec3 colour, float candela, float range);
+    void addSpot(const std::string& name, glm::vec3 position, glm::vec3 target, glm::vec3 colour,
+                 float candela, float range, float outerConeDegrees);
     void write() const;
 
 private:
     int addTexture(const std::string& file);
     int addAccessor(const void* data, size_t bytes, int componentType, size_t count, const char* type);
     int addNode(nlohmann::json node);
-    void addLight(const std::string& name, const char* type, glm::vec3 colour, float intensity,
-                  nlohmann::json place);
+    void addLight(nlohmann::json light, nlohmann::json place);
 
     struct HeightTextures {
         int height, normal; // glTF textures
@@ -51,7 +62,8 @@ private:
     nlohmann::json json_;
     std::string bin_;
     std::vector<HeightTextures> heights_;
-    std::vector<nlohmann::json> shapes_; // attributes and indices of a primitive
+    std::vector<nlohmann::json> shapes_;           // attributes and indices of a primitive
+    std::map<std::pair<int, int>, size_t> meshes_; // by shape and material
 };
 
 } // namespace lumel::assets

@@ -17,7 +17,8 @@ int main(int argc, char** argv)
         const std::filesystem::path folder = argv[1];
         using namespace lumel::assets;
         tbb::parallel_invoke([&] { writeRecord(folder / "record"); }, [&] { writeBalls(folder / "balls"); },
-                             [&] { writeBricks(folder / "bricks"); });
+                             [&] { writeBricks(folder / "bricks"); }, [&] { writeCharts(folder / "charts"); },
+                             [&] { writeCrowd(folder / "crowd"); });
     } catch (const std::exception& e) {
         std::fprintf(stderr, "%s\n", e.what());
         return 1;

@@ -65,6 +65,24 @@ inline float fbm3(glm::vec3 p, int octaves, int seed)
     return sum;
 }
 
+// The lattice point of one cell, moved at random inside it: scattered points, evenly dense.
+struct Scattered {
+    glm::vec3 offset; // from the place that asks, in cells
+    int id;
+};
+
+template<class Visit>
+void forNeighbours(glm::vec3 q, const Visit& visit)
+{
+    const glm::ivec3 cell = glm::ivec3(glm::floor(q));
+    for (int k = 0; k < 27; ++k) {
+        const glm::ivec3 c = cell + glm::ivec3(k % 3, k / 3 % 3, k / 9) - 1;
+        const int id = int(hash(uint32_t(c.x) + hash(uint32_t(c.y) + hash(uint32_t(c.z)))));
+        const glm::vec3 jitter(random01(id, 1), random01(id, 2), random01(id, 3));
+        visit(Scattered{glm::vec3(c) + jitter - q, id});
+    }
+}
+
 inline float smooth(float from, float to, float x)
 {
     const float t = glm::clamp((x - from) / (to - from), 0.0f, 1.0f);

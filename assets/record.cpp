@@ -173,7 +173,8 @@ void addSet(GltfWriter& gltf)
     const int steel =
         gltf.addMaterial("steel", {.baseColour = {0.66f, 0.65f, 0.63f}, .metallic = 1.0f, .power = 30.0f});
     gltf.addObject("plinth", gltf.addShape(box({-0.215f, -0.07f, -0.19f}, {0.215f, 0.0f, 0.19f})), wood);
-    gltf.addObject("table", gltf.addShape(floorGrid(10.0f, 10.0f, 8)), table, {0.0f, -0.07f, 0.0f});
+    gltf.addObject("table", gltf.addShape(floorGrid(10.0f, 10.0f, 8)), table,
+                   {.position = {0.0f, -0.07f, 0.0f}});
     gltf.addObject("spindle", gltf.addShape(spindleShape()), steel);
 }
 
@@ -182,6 +183,7 @@ void addCamerasAndLights(GltfWriter& gltf)
     gltf.addCamera("default", {0.10f, 0.30f, 0.40f}, {0.0f, 0.005f, 0.012f}, 38.0f, 0.02f);
     gltf.addCamera("near", {0.085f, 0.062f, 0.165f}, {0.035f, 0.020f, 0.055f}, 34.0f, 0.005f);
     gltf.addCamera("far", {0.75f, 1.75f, 2.6f}, {0.36f, -0.05f, 0.05f}, 20.0f, 0.05f);
+    gltf.addCamera("middle", {0.26f, 0.62f, 0.86f}, {0.03f, 0.0f, 0.01f}, 28.0f, 0.03f);
     // From behind, so that the half vectors lean far enough over for the groove walls to catch them; two
     // azimuths make two hourglasses, warm and cool.
     gltf.addDirectional("key", {-0.55f, 1.0f, -0.62f}, {1.0f, 0.90f, 0.76f}, 5.0f);

@@ -7,5 +7,7 @@ namespace lumel::assets {
 void writeRecord(const std::filesystem::path& folder);
 void writeBalls(const std::filesystem::path& folder);
 void writeBricks(const std::filesystem::path& folder);
+void writeCharts(const std::filesystem::path& folder);
+void writeCrowd(const std::filesystem::path& folder);
 
 } // namespace lumel::assets

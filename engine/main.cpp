@@ -134,7 +134,7 @@ void addPath(CLI::App* command, ShotArguments& a)
     command
         ->add_option("--step", a.step,
                      "orbit: degrees a frame (0.5); dolly: percent of the distance a frame (1)")
-        ->check(CLI::Range(-360.0, 360.0));
+        ->check(CLI::Range(-1000.0, 1000.0));
     command->callback([&a] {
         if (a.path == scene::Path::dolly && a.step && *a.step >= 100.0)
             throw CLI::ValidationError("--step", "a dolly of 100 percent or more passes its target");
