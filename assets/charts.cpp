@@ -87,7 +87,7 @@ const Packing& packing()
     return packing;
 }
 
-// Turns the unit square about its centre, anticlockwise by quarter turns.
+// Turns the unit square about its centre, clockwise in the map, by quarter turns.
 glm::vec2 turned(glm::vec2 t, int quarters)
 {
     for (int i = 0; i < quarters; ++i)
@@ -117,7 +117,7 @@ glm::vec2 uvOf(int patch, glm::vec2 t)
     return (glm::vec2(cell % kCells, cell / kCells) * float(kCell) + float(kGutter) + inCell) / float(kMap);
 }
 
-// The knot in metres, and its lowest point's height above 0.
+// The knot in metres, around the origin.
 Shape knotShape()
 {
     Shape shape;

@@ -2,6 +2,7 @@
 // a part of it: many objects, many lights, all sizes at once.
 #include "gltf_writer.h"
 #include "noise.h"
+#include "pieces.h"
 #include "scenes.h"
 #include <array>
 #include <cmath>
@@ -13,138 +14,10 @@ namespace {
 
 constexpr float kPi = float(std::numbers::pi);
 constexpr int kObjects = 500;
-constexpr int kMap = 256;          // texels of a piece's maps
-constexpr float kUvRadius = 0.49f; // of a piece's map: the longest outline
-constexpr float kTile = 22.0f;     // metres a side of a piece of the square
-constexpr int kTileMap = 512;      // texels
-constexpr int kSlabs = 16;         // a side of a tile
-
-// Outlines from the axis on top, outwards and down to the ground: (radius, height), about 1 m high.
-using Outline = std::vector<glm::vec2>;
-const std::array<Outline, 10> kOutlines{{
-    // ball, egg, pawn, bishop, vase, bottle, bell, goblet, urn, cone
-    {{0, 1}, {0.25f, 0.93f}, {0.43f, 0.75f}, {0.5f, 0.5f}, {0.43f, 0.25f}, {0.25f, 0.07f}, {0.12f, 0}},
-    {{0, 1.2f}, {0.18f, 1.12f}, {0.34f, 0.85f}, {0.42f, 0.5f}, {0.36f, 0.2f}, {0.22f, 0.04f}, {0.14f, 0}},
-    {{0, 1},
-     {0.14f, 0.96f},
-     {0.2f, 0.84f},
-     {0.14f, 0.7f},
-     {0.2f, 0.66f},
-     {0.1f, 0.58f},
-     {0.14f, 0.3f},
-     {0.26f, 0.16f},
-     {0.3f, 0.08f},
-     {0.3f, 0}},
-    {{0, 1.5f},
-     {0.05f, 1.46f},
-     {0.05f, 1.4f},
-     {0.17f, 1.2f},
-     {0.15f, 1.05f},
-     {0.1f, 0.98f},
-     {0.2f, 0.94f},
-     {0.1f, 0.86f},
-     {0.13f, 0.4f},
-     {0.28f, 0.2f},
-     {0.32f, 0.1f},
-     {0.32f, 0}},
-    {{0, 0.86f},
-     {0.1f, 0.87f},
-     {0.16f, 1.0f},
-     {0.2f, 1.0f},
-     {0.13f, 0.85f},
-     {0.3f, 0.66f},
-     {0.38f, 0.45f},
-     {0.28f, 0.18f},
-     {0.18f, 0.05f},
-     {0.2f, 0}},
-    {{0, 1.3f},
-     {0.07f, 1.3f},
-     {0.09f, 1.24f},
-     {0.07f, 1.18f},
-     {0.08f, 0.95f},
-     {0.24f, 0.75f},
-     {0.28f, 0.6f},
-     {0.28f, 0.08f},
-     {0.24f, 0}},
-    {{0, 0.85f},
-     {0.07f, 0.82f},
-     {0.05f, 0.75f},
-     {0.2f, 0.7f},
-     {0.27f, 0.55f},
-     {0.3f, 0.3f},
-     {0.38f, 0.1f},
-     {0.48f, 0}},
-    {{0, 0.7f},
-     {0.12f, 0.74f},
-     {0.24f, 0.98f},
-     {0.27f, 1.0f},
-     {0.26f, 0.8f},
-     {0.16f, 0.62f},
-     {0.05f, 0.5f},
-     {0.08f, 0.42f},
-     {0.05f, 0.3f},
-     {0.12f, 0.08f},
-     {0.26f, 0}},
-    {{0, 1.1f},
-     {0.05f, 1.06f},
-     {0.04f, 1.0f},
-     {0.2f, 0.94f},
-     {0.33f, 0.9f},
-     {0.3f, 0.82f},
-     {0.42f, 0.62f},
-     {0.36f, 0.36f},
-     {0.14f, 0.2f},
-     {0.13f, 0.14f},
-     {0.28f, 0.06f},
-     {0.28f, 0}},
-    {{0, 1.6f},
-     {0.06f, 1.55f},
-     {0.2f, 1.0f},
-     {0.34f, 0.3f},
-     {0.36f, 0.2f},
-     {0.44f, 0.14f},
-     {0.46f, 0.06f},
-     {0.44f, 0}},
-}};
-
-// Catmull-Rom through the outline's points; past its ends the curve goes on straight.
-glm::vec2 onOutline(const Outline& outline, float along)
-{
-    const int last = int(outline.size()) - 1, i = std::min(int(along), last - 1);
-    const float t = along - float(i);
-    const auto at = [&](int k) {
-        if (k < 0)
-            return glm::vec2(-outline[1].x, outline[1].y); // mirrored at the axis
-        return k > last ? 2.0f * outline[size_t(last)] - outline[size_t(last) - 1] : outline[size_t(k)];
-    };
-    const glm::vec2 a = at(i - 1), b = at(i), c = at(i + 1), d = at(i + 2);
-    const glm::vec2 p =
-        0.5f *
-        (2.0f * b + t * (c - a + t * (2.0f * a - 5.0f * b + 4.0f * c - d + t * (3.0f * (b - c) + d - a))));
-    return {std::max(p.x, 0.0f), p.y};
-}
-
-Shape piece(const Outline& outline)
-{
-    constexpr int kSteps = 3, kSegments = 40; // steps between two points of the outline
-    std::vector<ProfilePoint> profile;
-    float length = 0.0f;
-    const int count = kSteps * (int(outline.size()) - 1);
-    for (int i = 0; i <= count; ++i) {
-        const float along = float(i) / kSteps;
-        const glm::vec2 p = onOutline(outline, along);
-        const glm::vec2 after = onOutline(outline, std::min(along + 0.02f, float(count) / kSteps)),
-                        before = onOutline(outline, std::max(along - 0.02f, 0.0f));
-        const glm::vec2 forward = glm::normalize(after - before);
-        if (i > 0)
-            length += glm::distance(p, glm::vec2(profile.back().radius, profile.back().y));
-        profile.push_back(
-            {i == 0 ? 0.0f : p.x, p.y, i == 0 ? glm::vec2(0, 1) : glm::vec2(-forward.y, forward.x), length});
-    }
-    for (ProfilePoint& p : profile)
-        p.uvRadius *= kUvRadius / length;
-    return lathe(profile, kSegments);
-}
+constexpr int kMap = 256;      // texels of a piece's maps
+constexpr float kTile = 22.0f; // metres a side of a piece of the square
+constexpr int kTileMap = 512;  // texels
+constexpr int kSlabs = 16;     // a side of a tile
 
 // A point of a piece's map: distance from its middle (1 = the foot) and turn in [0, 1).
 struct Polar {
@@ -258,7 +131,7 @@ std::vector<Lamp> lampPositions()
 
 void addLamps(GltfWriter& gltf)
 {
-    const int globe = gltf.addShape(piece(kOutlines[0]));
+    const int globe = gltf.addShape(turnedPiece(kPieces[0].outline));
     int i = 0;
     for (const Lamp& lamp : lampPositions()) {
         const std::string name = "lamp " + std::to_string(i);
@@ -332,17 +205,17 @@ void writeCrowd(const std::filesystem::path& folder)
                                    .power = 160.0f,
                                    .colourImage = gltf.addColour("slabs", makeColour(kTileMap, slabColour)),
                                    .heightImage = gltf.addHeight("slabs", slabs)});
-    std::array<int, kOutlines.size()> shapes;
-    std::transform(kOutlines.begin(), kOutlines.end(), shapes.begin(),
-                   [&](const Outline& outline) { return gltf.addShape(piece(outline)); });
+    std::array<int, kPieces.size()> shapes;
+    std::transform(kPieces.begin(), kPieces.end(), shapes.begin(),
+                   [&](const Piece& piece) { return gltf.addShape(turnedPiece(piece.outline)); });
 
     addLamps(gltf);
     const int others = 16 + addSquare(gltf, ground);
     int i = 0;
     for (const Placement& place : placePieces(kObjects - others)) {
-        const auto shape = size_t(random01(i, 21) * float(kOutlines.size()));
+        const auto shape = size_t(random01(i, 21) * float(kPieces.size()));
         const size_t look = (shape + (random01(i, 22) < 0.5f ? 0 : 3)) % kLooks.size(); // two a shape
-        gltf.addObject("piece " + std::to_string(i), shapes[shape], materials[look], place);
+        gltf.addObject(kPieces[shape].name + std::to_string(i), shapes[shape], materials[look], place);
         ++i;
     }
     gltf.addCamera("default", {0.0f, 1.7f, 1.4f}, {0.0f, 0.75f, -6.0f}, 46.0f, 0.1f);
