@@ -4,6 +4,8 @@
 namespace lumel::baker {
 namespace {
 
+constexpr float kNegligible = 1e-5f; // of the largest sum of a patch
+
 bool same(const Shape& a, const Shape& b)
 {
     return a.nx == b.nx && a.ny == b.ny && a.sxx == b.sxx && a.sxy == b.sxy && a.syy == b.syy;
@@ -52,43 +54,92 @@ void Patch::add(const Patch& other, float factor, int channels)
 
 void Patch::appendTo(NodeSet& to, std::vector<float>* sums, float factor, int channels) const
 {
-    constexpr float kNegligible = 1e-5f; // of the largest sum
+    constexpr size_t kFew = 300; // points that are not worth merging
     const size_t first = to.size(), count = size();
-    float peak = 0.0f;
-    for (const float v : g)
-        peak = std::max(peak, v);
+    const float peak = count > 0 ? *std::max_element(g.begin(), g.begin() + ptrdiff_t(count)) : 0.0f;
     to.resize(first + count);
     for (int c = 0; c < channels; ++c)
         sums[c].resize(first + count);
-    const auto visible = [&](size_t k) {
-        float largest = g[k];
-        for (int c = 1; c < channels; ++c)
-            largest = std::max(largest, g[size_t(c) * count + k]);
-        return largest > kNegligible * peak;
-    };
-    size_t end = first, k = 0;
-    for (int j = 0; j < height; ++j)
-        for (int i = 0; i < width; ++i, ++k) {
-            to.x[end] = nodes.rule ? nodes.rule->x[k] : float(x0 + i);
-            to.y[end] = nodes.rule ? nodes.rule->y[k] : float(y0 + j);
-            if (nodes.rule) {
-                to.z[end] = nodes.rule->z[k];
-                to.area[end] = nodes.rule->area[k];
-            }
-            for (int c = 0; c < channels; ++c)
-                sums[c][end] = factor * g[size_t(c) * count + k];
-            end += visible(k); // kept, or overwritten by the next
-        }
+    const bool merges = !nodes.rule && count > kFew;
+    const size_t end = merges ? appendMerged(to, sums, first, peak, channels)
+                              : appendBlock(to, sums, first, peak, {0, 0, width, height}, channels);
     to.resize(end);
     to.pad();
-    if (!nodes.rule)
+    if (nodes.rule)
+        for (size_t i = first; i < end; ++i) {
+            const size_t k = size_t(to.x[i]);
+            to.x[i] = nodes.rule->x[k];
+            to.y[i] = nodes.rule->y[k];
+            to.z[i] = nodes.rule->z[k];
+            to.area[i] = nodes.rule->area[k];
+        }
+    else
         kernels().toHalfVectors(&to.x[first], &to.y[first], &to.z[first], &to.area[first],
                                 int(to.size() - first), nodes.spacing);
-    std::fill(to.area.begin() + ptrdiff_t(end), to.area.end(), 0.0f);
     for (int c = 0; c < channels; ++c) {
         sums[c].resize(end);
         sums[c].resize(to.size(), 0.0f);
+        for (size_t k = first; k < end; ++k)
+            sums[c][k] *= factor;
     }
+}
+
+// The visible points of a block, from `end` on; returns the new end.
+size_t Patch::appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, float peak, const Block& block,
+                          int channels) const
+{
+    const float least = kNegligible * peak;
+    for (int j = block.y0; j < block.y1; ++j) {
+        size_t k = size_t(j) * size_t(width) + size_t(block.x0);
+        for (int i = block.x0; i < block.x1; ++i, ++k) {
+            to.x[end] = float(x0 + i);
+            to.y[end] = float(y0 + j);
+            to.area[end] = 1.0f;
+            float largest = 0.0f;
+            for (int c = 0; c < channels; ++c) {
+                sums[c][end] = g[size_t(c) * size() + k];
+                largest = std::max(largest, sums[c][end]);
+            }
+            end += largest > least; // kept, or overwritten by the next
+        }
+    }
+    return end;
+}
+
+// Where the sums are faint beside their peak, as under a broad lobe beside a sharp one, a block of lattice
+// points stands as one node in their weighted middle: nothing varies there as fast as the lattice resolves.
+size_t Patch::appendMerged(NodeSet& to, std::vector<float>* sums, size_t end, float peak, int channels) const
+{
+    constexpr float kFaint = 1e-2f; // of the largest sum
+    constexpr int kSide = 4;
+    for (int j0 = 0; j0 < height; j0 += kSide)
+        for (int i0 = 0; i0 < width; i0 += kSide) {
+            const Block block{i0, j0, std::min(i0 + kSide, width), std::min(j0 + kSide, height)};
+            float largest = 0.0f, total[3] = {}, x = 0.0f, y = 0.0f;
+            for (int c = 0; c < channels; ++c)
+                for (int j = block.y0; j < block.y1; ++j)
+                    for (int i = i0; i < block.x1; ++i) {
+                        const float v = g[size_t(c) * size() + size_t(j) * size_t(width) + size_t(i)];
+                        largest = std::max(largest, v);
+                        total[c] += v;
+                        x += v * float(i);
+                        y += v * float(j);
+                    }
+            if (largest <= kNegligible * peak)
+                continue;
+            if (largest > kFaint * peak) {
+                end = appendBlock(to, sums, end, peak, block, channels);
+                continue;
+            }
+            const float sum = total[0] + total[1] + total[2];
+            to.x[end] = float(x0) + x / sum;
+            to.y[end] = float(y0) + y / sum;
+            to.area[end] = float((block.x1 - i0) * (block.y1 - j0));
+            for (int c = 0; c < channels; ++c)
+                sums[c][end] = total[c] / to.area[end];
+            ++end;
+        }
+    return end;
 }
 
 void Cell::clear()

@@ -19,6 +19,14 @@ struct Patch {
     void add(const Patch& other, float factor, int channels);
     // Appends the nodes at which the sums are not negligible, and `factor` times the sums there; padded.
     void appendTo(NodeSet& to, std::vector<float>* sums, float factor, int channels) const;
+
+private:
+    struct Block {
+        int x0, y0, x1, y1; // of the rectangle
+    };
+    size_t appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, float peak, const Block& block,
+                       int channels) const;
+    size_t appendMerged(NodeSet& to, std::vector<float>* sums, size_t end, float peak, int channels) const;
 };
 
 struct Cell {

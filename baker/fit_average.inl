@@ -60,6 +60,6 @@ void toHalfVectors(float* x, float* y, float* z, float* area, int count, float s
         store(x + k, lx * scale);
         store(y + k, ly * scale);
         store(z + k, hz);
-        store(area + k, maximum(spacing * spacing * hz, splat(0.0f)));
+        store(area + k, load(area + k) * maximum(spacing * spacing * hz, splat(0.0f)));
     }
 }

@@ -175,16 +175,25 @@ void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, boo
         t[kKsR + c] = float(ownKs ? task.mean.ks[c] : ks * task.mean.ks[c] / meanKs);
     if (!coloured_ || ownKs)
         return;
+    // Each channel by a projection of its own: f at the nodes once, then three sums.
+    const Shape& shape = found.shape;
+    const Sym2 p = Sym2{shape.sxx, shape.sxy, shape.syy}.inverse();
+    const float nz = std::sqrt(std::max(1e-4f, 1.0f - shape.nx * shape.nx - shape.ny * shape.ny));
+    const LobeTerm lobe{shape.nx,    shape.ny,    nz,
+                        float(p.xx), float(p.xy), float(p.yy),
+                        float(std::sqrt(p.det()))};
+    const size_t n = texel.firstNode;
+    if (scratch_.size() < texel.nodeCount)
+        scratch_.resize(texel.nodeCount);
+    std::fill_n(scratch_.begin(), texel.nodeCount, 0.0f);
+    kernels_.average(&lobe, 1, false,
+                     {int(texel.nodeCount), &nodes_.x[n], &nodes_.y[n], &nodes_.z[n], nullptr},
+                     scratch_.data());
     for (int c = 0; c < 3; ++c) {
-        FitJob job;
-        const size_t n = texel.firstNode;
-        job.nodes = {int(texel.nodeCount), &nodes_.x[n], &nodes_.y[n], &nodes_.z[n], &channelWeight_[c][n]};
-        toUnknowns(found.shape, job.maxLog, job.unknowns);
-        if (scratch_.size() < 4 * texel.nodeCount * kMaxLanes)
-            scratch_.resize(4 * texel.nodeCount * kMaxLanes);
-        float channelOverlap = 0.0f, channelNorm = 1.0f;
-        kernels_.evaluate(job, &channelOverlap, &channelNorm, nullptr, scratch_.data());
-        t[kKsR + c] = channelOverlap / channelNorm;
+        double channelOverlap = 0.0;
+        for (size_t k = 0; k < texel.nodeCount; ++k)
+            channelOverlap += double(channelWeight_[c][n + k]) * scratch_[k];
+        t[kKsR + c] = float(channelOverlap / norm);
     }
 }
 
