@@ -62,7 +62,8 @@ struct Kernels {
     // (quadrature.h); 0 beyond the disc.
     void (*shapeOnLattice)(const LobeTerm& lobe, bool isotropic, const float* x, const float* y, int count,
                            float cx, float cy, float spacing, float* f);
-    // Points of Lambert's map and areas there, in `spacing`s, to half vectors and areas of the disc, in place.
+    // Points of Lambert's map and areas there, in `spacing`s, to half vectors and areas of the disc, in
+    // place.
     void (*toHalfVectors)(float* x, float* y, float* z, float* area, int count, float spacing);
     // BFGS on `count` jobs, one a lane; a lane that is done takes the next job. Jobs of like node counts
     // belong together. `scratch` holds 4 * kMaxLanes floats for each node of the largest job.

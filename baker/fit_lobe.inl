@@ -47,7 +47,7 @@ struct Lobe {
 
 LUMEL_INLINE Lobe makeLobe(V maxLog, V nx, V ny, V l1, V l2, V l3)
 {
-    constexpr float kRim = 0.98f;
+    constexpr float kRim = 0.99991f; // a little beyond lobeNormal()'s
     Lobe lobe;
     const V r2 = nx * nx + ny * ny;
     lobe.outside = r2 > kRim;

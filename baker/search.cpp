@@ -9,10 +9,14 @@ namespace {
 
 // Below this error the average is one bump and has one minimum: all starts end there.
 constexpr float kSettledError = 0.03f;
-// Above this error no single lobe fits, and minima are many: try the isotropic ones too.
+// Above this error a closed form may lie in a better minimum; above the second, where no single lobe fits
+// and minima are many, an isotropic lobe too.
 constexpr float kHopelessError = 0.06f;
-// Below this power the floor may hold one of the two powers up.
-constexpr float kFloorPower = 2.0f;
+constexpr float kTornError = 0.15f;
+// Where lobes are this broad (variance) or this tilted (|N.xy|^2), their Gaussian stand-ins mislead. Then a
+// closed form or an isotropic lobe may win at smaller errors too.
+constexpr float kBroad = 0.05f, kSteep = 0.6f;
+constexpr float kBroadError = 1e-4f, kSteepError = 0.01f;
 // A closed form this narrow, relative to the mean lobe, says that the lobes lie within each other.
 constexpr float kCompact = 0.7f;
 
@@ -44,6 +48,21 @@ Solver::Selection Solver::above(const Selection& selection, Family family, float
     return rest;
 }
 
+// Those above the error, and at a smaller one those whose stand-ins mislead.
+Solver::Selection Solver::doubtful(const Selection& selection, Family family, float error) const
+{
+    Selection rest;
+    for (const uint32_t t : above(selection, family, kBroadError)) {
+        const Shape lean = leanShape(texels_[t].task.mean);
+        const float found = texels_[t].best[family].error;
+        const bool broad = std::max(lean.sxx, lean.syy) > kBroad;
+        const bool steep = lean.nx * lean.nx + lean.ny * lean.ny > kSteep && found > kSteepError;
+        if (found > error || broad || steep)
+            rest.push_back(t);
+    }
+    return rest;
+}
+
 void Solver::keep(const std::vector<Start>& starts, const std::vector<Found>& found, Family family)
 {
     for (size_t i = 0; i < starts.size(); ++i) {
@@ -60,10 +79,12 @@ void Solver::chooseStarts(const Selection& selection, Family family)
     for (const uint32_t t : selection) {
         const TexelTask& task = texels_[t].task;
         const Shape lean = leanShape(task.mean);
-        starts_.push_back({t, lean});
         texels_[t].start[0] = texels_[t].start[1] = {};
-        if (scalarPower(lean) > kCompact * float(task.mean.energy))
+        if (scalarPower(lean) > kCompact * float(task.mean.energy)) {
+            texels_[t].start[0] = {lean, 0.0f, 1.0f}; // one bump: nothing to choose
             continue;
+        }
+        starts_.push_back({t, lean});
         starts_.push_back({t, halfPower(task)});
         for (int i = 0; i < task.childCount; ++i)
             starts_.push_back({t, task.children[size_t(i)].shape});
@@ -123,22 +144,16 @@ void Solver::fitIsotropic(const Selection& selection)
 {
     chooseStarts(selection, kIsotropic);
     searchExactly(selection, kIsotropic);
-    searchClosedForms(above(selection, kIsotropic, kHopelessError), kIsotropic);
+    searchClosedForms(doubtful(selection, kIsotropic, kHopelessError), kIsotropic);
 }
 
 void Solver::fitAnisotropic(const Selection& selection)
 {
     chooseStarts(selection, kAnisotropic);
     searchExactly(selection, kAnisotropic);
-    searchClosedForms(above(selection, kAnisotropic, kHopelessError), kAnisotropic);
+    searchClosedForms(doubtful(selection, kAnisotropic, kHopelessError), kAnisotropic);
     // From the isotropic fit too, so that the result cannot be worse than it.
-    // Where the floor of the powers cuts in, an isotropic lobe may lie better within the limits.
-    Selection hopeless;
-    for (const uint32_t t : selection) {
-        const Found& best = texels_[t].best[kAnisotropic];
-        if (best.error > kHopelessError || scalarPower(best.shape) < kFloorPower)
-            hopeless.push_back(t);
-    }
+    const Selection hopeless = doubtful(selection, kAnisotropic, kTornError);
     fitIsotropic(hopeless);
     starts_.clear();
     for (const uint32_t t : hopeless) {

@@ -179,9 +179,8 @@ void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, boo
     const Shape& shape = found.shape;
     const Sym2 p = Sym2{shape.sxx, shape.sxy, shape.syy}.inverse();
     const float nz = std::sqrt(std::max(1e-4f, 1.0f - shape.nx * shape.nx - shape.ny * shape.ny));
-    const LobeTerm lobe{shape.nx,    shape.ny,    nz,
-                        float(p.xx), float(p.xy), float(p.yy),
-                        float(std::sqrt(p.det()))};
+    const LobeTerm lobe{
+        shape.nx, shape.ny, nz, float(p.xx), float(p.xy), float(p.yy), float(std::sqrt(p.det()))};
     const size_t n = texel.firstNode;
     if (scratch_.size() < texel.nodeCount)
         scratch_.resize(texel.nodeCount);

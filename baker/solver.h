@@ -71,6 +71,7 @@ private:
     void fitIsotropic(const Selection& selection);
     void fitAnisotropic(const Selection& selection);
     Selection above(const Selection& selection, Family family, float error) const;
+    Selection doubtful(const Selection& selection, Family family, float error) const;
     void write(const Texel& texel, const Found& found, float* to, bool ownKs);
     void writeSpecular(const Texel& texel, const Found& found, float* to, bool ownKs);
 

@@ -12,7 +12,7 @@ void toUnknowns(const Shape& shape, float maxLog, float* unknowns)
     const double u11 = std::sqrt(std::max(p.xx - double(kBase), kFloor));
     const double u12 = p.xy / u11;
     const double u22 = std::sqrt(std::max(p.yy - double(kBase) - u12 * u12, 1e-6));
-    const double r2 = std::min(0.999, double(shape.nx) * shape.nx + double(shape.ny) * shape.ny);
+    const double r2 = std::min(0.9999, double(shape.nx) * shape.nx + double(shape.ny) * shape.ny);
     const Sym2 disc = DiscFrame({shape.nx, shape.ny, std::sqrt(1.0 - r2)}).toDisc(s);
     const double b11 = std::sqrt(disc.xx), b21 = disc.xy / b11;
     unknowns[kX] = shape.nx;

@@ -228,5 +228,9 @@ TEST(Kernel, ClosedFormOfTheNormMatchesTheIntegral)
     check(0.3f, -0.4f, 1.5f, 2.5f, 0.7f);
     check(-0.5f, 0.5f, 2.2f, 1.8f, -0.5f);
     check(0.05f, 0.1f, 0.5f, 0.7f, 0.2f);
+    // Near the horizon half of the lobe or more lies below it.
+    check(0.8f, 0.58f, 1.5f, 1.5f, 0.0f);
+    check(-0.7f, 0.7f, 2.3f, 1.5f, 0.4f);
+    check(0.2f, 0.975f, 1.2f, 2.4f, -0.3f);
 }
 } // namespace lumel::baker
