@@ -141,21 +141,8 @@ void addPath(CLI::App* command, ShotArguments& a)
     });
 }
 
-void addShot(CLI::App& app, ShotArguments& a)
+void addCamera(CLI::App* command, ShotArguments& a)
 {
-    CLI::App* command = app.add_subcommand("shot", "Render a glTF scene to a picture");
-    command->add_option("scene", a.scene, "glTF 2.0 file, .gltf or .glb")->required();
-    command->add_option("-o,--output", a.output, ".png (tone-mapped sRGB) or .exr (linear radiance)")
-        ->required();
-    command
-        ->add_option_function<std::string>(
-            "--size",
-            [&a](const std::string& text) {
-                if (const auto error = parseSize(text, a.settings.size); !error.empty())
-                    throw CLI::ValidationError(error);
-            },
-            "picture size")
-        ->default_str("960x540");
     command->add_option("--camera", a.camera, "camera of the file, by name or index");
     const auto addPoint = [&](const char* name, std::optional<glm::vec3>& point, const char* what) {
         command->add_option_function<std::string>(
@@ -171,6 +158,24 @@ void addShot(CLI::App& app, ShotArguments& a)
     command->add_option("--fov", a.fovDegrees, "vertical field of view in degrees, with --eye")
         ->check(CLI::Range(1.0, 170.0))
         ->capture_default_str();
+}
+
+void addShot(CLI::App& app, ShotArguments& a)
+{
+    CLI::App* command = app.add_subcommand("shot", "Render a glTF scene to a picture");
+    command->add_option("scene", a.scene, "glTF 2.0 file, .gltf or .glb")->required();
+    command->add_option("-o,--output", a.output, ".png (tone-mapped sRGB) or .exr (linear radiance)")
+        ->required();
+    command
+        ->add_option_function<std::string>(
+            "--size",
+            [&a](const std::string& text) {
+                if (const auto error = parseSize(text, a.settings.size); !error.empty())
+                    throw CLI::ValidationError(error);
+            },
+            "picture size")
+        ->default_str("960x540");
+    addCamera(command, a);
     addPath(command, a);
     command
         ->add_option("--lights", a.lights,

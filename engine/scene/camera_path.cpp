@@ -17,7 +17,8 @@ Camera cameraOnPath(const Camera& start, Path path, double step, int index)
         camera.up = turn * start.up;
     }
     if (path == Path::dolly) {
-        const auto share = float(std::pow(1.0 - step / 100.0, index));
+        // Long dollies end where floats still tell the eye from its target.
+        const auto share = float(std::clamp(std::pow(1.0 - step / 100.0, index), 1e-4, 1e6));
         camera.eye = start.target + share * fromTarget;
         // What the start camera did not clip must not be clipped closer up.
         camera.nearMetres = start.nearMetres * std::min(share, 1.0f);

@@ -1,4 +1,5 @@
 #include "scene/camera_path.h"
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace lumel::scene {
@@ -71,6 +72,17 @@ TEST(CameraPath, DollyScalesTheDistanceByTheSameFactorEachFrame)
             EXPECT_NEAR(glm::distance(camera.eye, camera.target), expected, 1e-5f * expected);
             EXPECT_LE(camera.nearMetres, start.nearMetres);
         }
+    }
+}
+
+TEST(CameraPath, LongDolliesStayUsable)
+{
+    const Camera start = lookingDown();
+    for (double step : {99.0, 1.0, -1.0, -900.0}) {
+        const Camera camera = cameraOnPath(start, Path::dolly, step, 99999);
+        EXPECT_TRUE(std::isfinite(camera.eye.x + camera.eye.y + camera.eye.z));
+        EXPECT_GT(glm::distance(camera.eye, camera.target), 0.0f);
+        EXPECT_GT(camera.nearMetres, 0.0f);
     }
 }
 
