@@ -5,6 +5,7 @@
 #include <OpenImageIO/imageio.h>
 #include <chrono>
 #include <fmt/format.h>
+#include <map>
 #include <nlohmann/json.hpp>
 
 namespace lumel::baker {
@@ -126,6 +127,13 @@ public:
     Options options;
     bool asFloat = false;
 
+    std::vector<fs::path> outputs() const
+    {
+        std::vector<fs::path> files = reports;
+        files.push_back(output);
+        return files;
+    }
+
     bool isUpToDate() const
     {
         bool isFloat = false;
@@ -144,11 +152,13 @@ public:
         const size_t units = progressUnits(maps) + (reports.empty() ? 0 : measureUnits(maps, options));
         Progress progress(whole, share, units);
         const auto start = std::chrono::steady_clock::now();
+        if (reports.empty()) {
+            bakeExr(output, maps, options, asFloat, &progress);
+            return;
+        }
         const ReflectanceMips mips = bake(maps, options, &progress);
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         writeExr(output, mips, asFloat);
-        if (reports.empty())
-            return;
         Report report = makeReport(maps, options, mips, seconds.count(), &progress);
         report.name = output.filename().string();
         for (const fs::path& file : reports)
@@ -194,6 +204,7 @@ ManifestResult bakeManifest(const fs::path& manifest, const Options& defaults, b
         if (print)
             progress.print(line);
     };
+    std::map<fs::path, size_t> written; // by which entry
     for (size_t i = 0; i < json.size(); ++i) {
         std::string name = fmt::format("entry {}", i + 1);
         if (const Json& one = json[i]; one.is_object() && one.contains("output") && one["output"].is_string())
@@ -201,6 +212,10 @@ ManifestResult bakeManifest(const fs::path& manifest, const Options& defaults, b
         try {
             const Entry entry(json[i], manifest.parent_path(), defaults);
             name = entry.output.string();
+            for (const fs::path& file : entry.outputs())
+                if (const auto [twin, isNew] = written.try_emplace(file.lexically_normal(), i + 1); !isNew)
+                    throw Error(fmt::format("entry {} writes {} too, like entry {}; give it another name",
+                                            i + 1, file.string(), twin->second));
             if (entry.isUpToDate()) {
                 ++result.upToDate;
                 tell(name + ": up to date");

@@ -81,6 +81,16 @@ TEST_F(Manifest, GoesOnAfterAFailureAndNamesIt)
     EXPECT_FALSE(fs::exists(folder_ / "maps" / "x.exr"));
 }
 
+TEST_F(Manifest, RefusesToWriteAFileTwice)
+{
+    const Outcome outcome = bake(
+        nlohmann::json::array({entry("a.png", "a.exr"), entry("b.png", "b.exr"), entry("b.png", "./a.exr")}));
+    EXPECT_EQ(outcome.exitCode, 1);
+    EXPECT_NE(outcome.out.find("entry 3 writes"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("like entry 1"), std::string::npos) << outcome.out;
+    EXPECT_EQ(bake(nlohmann::json::array({entry("a.png", "a.exr")})).out, "maps/a.exr: up to date\n");
+}
+
 TEST_F(Manifest, WritesReports)
 {
     nlohmann::json list = nlohmann::json::array({entry("a.png", "a.exr")});
