@@ -9,13 +9,8 @@ namespace lumel {
 
 void Renderer::recordFrame(Frame& frame)
 {
-    if (settings_.shading == Shading::tsl) {
-        need_.record(frame);              // which level of each object does this view need?
-        assignRoom(frame);                // which recycled texture does each object draw?
-        light_.recordLight(frame, pool_); // light its texels, once: linear radiance
-        gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::computeReadWrite);
-        light_.recordLower(frame, pool_); // derive the coarser levels
-    }
+    if (settings_.shading == Shading::tsl)
+        recordTextureSpace(frame);
     if (settings_.shading == Shading::reference)
         recordReference(frame); // the truth: many shifted forward frames at level 0
     else
@@ -23,14 +18,34 @@ void Renderer::recordFrame(Frame& frame)
     display_.record(frame, settings_.shading == Shading::reference ? settings_.samples : 0); // tone-map, once
 }
 
+void Renderer::recordTextureSpace(Frame& frame)
+{
+    if (settled(frame)) {
+        plan_.prepare(frame, pool_); // the objects still draw their lit textures
+        return;                      // and these hold all the light that this view needs
+    }
+    need_.record(frame, frameIndex_ == 1);   // what does this view need, and how finely?
+    assignRoom(frame);                       // which recycled texture does each object draw?
+    plan_.record(frame, need_);              // which of its tiles are to be lit, derived or kept?
+    light_.recordLight(frame, pool_, plan_); // light them, once: linear radiance
+    light_.recordLower(frame, pool_, plan_); // derive coarser tiles
+}
+
 Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
                    const std::vector<scene::BakedMaterial>& materials, const Settings& settings)
     : device_(device), settings_(settings), targets_(device, settings), scene_(device, scene, materials),
-      pool_(device, settings.poolBytes), need_(device, settings.size, scene.objects.size()),
-      light_(device, scene_, pool_), draw_(device, settings, scene_, pool_), display_(device, targets_),
-      timer_(device), view_(device, sizeof(shared::View), gpu::Buffer::Home::host, "view"),
+      pool_(device, settings.poolBytes), need_(device, settings.size, scene_), plan_(device, scene_, need_),
+      light_(device, scene_, pool_), draw_(device, settings, scene_, pool_),
+      display_(device, scene_, targets_), timer_(device),
       commands_(device.handle(), {.commandPool = *device.commandPool(), .commandBufferCount = 1})
 {
+}
+
+// Nothing to find, to light or to fade: the view has not changed since its every pixel was looked at.
+bool Renderer::settled(const Frame& frame) const
+{
+    return frame.clipFromWorld == knownView_ && scene_.changed() <= knownChange_ &&
+           offsetsSeen_ >= NeedPass::kCycle && lumelsPending_ == 0 && rooms_.steady();
 }
 
 void Renderer::assignRoom(Frame& frame)
@@ -38,16 +53,50 @@ void Renderer::assignRoom(Frame& frame)
     // The CPU decides about memory, so it must see the need: the GPU waits here for a short while.
     finish(frame);
     need_.read(frame);
-    frame.room = tsl::assignRoom(pool_.bookkeeping(), frame.needs, frame.index);
+    const float before = levelOffset_.value_or(settings_.levelOffset);
+    levelOffset_ =
+        tsl::levelOffsetFor(frame.needs, settings_.levelOffset, settings_.lumelsPerPixel, levelOffset_);
+    offsetSettled_ = *levelOffset_ == before;
+    frame.levelOffset = *levelOffset_;
+    for (tsl::ObjectNeed& need : frame.needs)
+        need.level += frame.levelOffset;
+    writeView(frame, glm::vec2(0.0f));
+    rooms_.assign(pool_.bookkeeping(), frame.needs, frame.index);
     pool_.update();
-    scene_.writeObjects(frame.room);
-    stats_.tilesLit = stats_.tilesMarked = light_.listTiles(frame);
-    stats_.lumelsLit = stats_.lumelsMarked = stats_.tilesLit * shared::kTileSize * shared::kTileSize;
-    for (const tsl::ObjectNeed& need : frame.needs)
-        if (need.lightable)
-            stats_.pixelsCovered += need.samples * NeedPass::kDivisor * NeedPass::kDivisor;
-    stats_.levelBias = frame.room.levelBias;
+    plan_.prepare(frame, pool_);
+    known_ = {};
+    for (size_t i = 0; i < frame.needs.size(); ++i)
+        if (rooms_.objects()[i].texture)
+            known_.pixelsCovered += frame.needs[i].samples * need_.divisor() * need_.divisor();
+    if (frame.clipFromWorld != knownView_)
+        offsetsSeen_ = 0;
+    offsetsSeen_ += need_.divisor() == 1 ? NeedPass::kCycle : 1;
+    knownView_ = frame.clipFromWorld;
+    knownChange_ = frame.index;
     begin(frame);
+    pool_.recordHandovers(frame);
+}
+
+void Renderer::countLumels(const Frame& frame)
+{
+    if (knownView_ == frame.clipFromWorld && frame.needs.empty()) { // settled
+        stats_.lumelsKept = known_.lumelsMarked;
+    } else {
+        const shared::Plan& plan = plan_.read();
+        known_.lumelsMarked = plan.lumelsMarked;
+        known_.tilesMarked = plan.marked;
+        lumelsPending_ = plan.lumelsPending;
+        stats_.lumelsLit = plan.lumelsLit;
+        stats_.lumelsDerived = plan.lumelsDerived;
+        stats_.lumelsPending = plan.lumelsPending;
+        stats_.tilesLit = plan.tilesLit;
+        stats_.lumelsKept = plan.lumelsMarked - plan.lumelsLit - plan.lumelsDerived;
+    }
+    stats_.lumelsMarked = known_.lumelsMarked;
+    stats_.tilesMarked = known_.tilesMarked;
+    stats_.pixelsCovered = known_.pixelsCovered;
+    stats_.levelBias = rooms_.levelBias();
+    stats_.levelOffset = levelOffset_.value_or(0.0f);
 }
 
 // Sub-pixel position of the reference's sample i, in [-0.5, 0.5): the R2 sequence (Roberts 2018, "The
@@ -92,16 +141,17 @@ void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
     glm::mat4 shift(1.0f);
     shift[3][0] = 2.0f * shiftInPixels.x / float(settings_.size.x);
     shift[3][1] = 2.0f * shiftInPixels.y / float(settings_.size.y);
-    *view_.mapped<shared::View>() = {.clipFromWorld = shift * frame.clipFromWorld,
-                                     .eyeInWorld = frame.eye,
-                                     .lightCount = scene_.lightCount(),
-                                     .skyRadiance = scene_.skyRadiance(),
-                                     .exposure = settings_.exposure,
-                                     .groundRadiance = scene_.groundRadiance(),
-                                     .anisotropy = settings_.anisotropy,
-                                     .sizePixels = settings_.size,
-                                     .lights = scene_.lights(),
-                                     .objects = scene_.objectTable()};
+    scene_.writeView({.clipFromWorld = shift * frame.clipFromWorld,
+                      .eyeInWorld = frame.eye,
+                      .lightCount = scene_.lightCount(),
+                      .skyRadiance = scene_.skyRadiance(),
+                      .exposure = settings_.exposure,
+                      .groundRadiance = scene_.groundRadiance(),
+                      .anisotropy = settings_.anisotropy,
+                      .sizePixels = settings_.size,
+                      .frame = frame.index,
+                      .levelOffset = frame.levelOffset,
+                      .objects = scene_.objectTable()});
 }
 
 FrameStats Renderer::render(const scene::Camera& camera)
@@ -120,25 +170,26 @@ FrameStats Renderer::render(const scene::Camera& camera)
                 .clipFromWorld = reversedPerspective(camera.yFov, aspect, camera.nearMetres) *
                                  glm::lookAt(camera.eye, camera.target, camera.up),
                 .eye = camera.eye,
-                .view = view_.address(),
-                .index = frameIndex_++,
+                .index = ++frameIndex_,
                 .inView = {},
                 .needs = {},
-                .room = {}};
+                .levelOffset = levelOffset_.value_or(settings_.levelOffset),
+                .rooms = rooms_};
     frame.inView = scene_.objectsInView(frame.clipFromWorld);
-    scene_.writeObjects(frame.room);
+    scene_.writeObjects();
     writeView(frame, glm::vec2(0.0f));
     begin(frame);
     recordFrame(frame);
     finish(frame);
 
     stats_.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    if (settings_.shading == Shading::tsl)
+        countLumels(frame);
     stats_.poolUsedBytes = pool_.bookkeeping().usedBytes();
     stats_.poolCapBytes = pool_.bookkeeping().capBytes();
-    for (const auto& texture : pool_.bookkeeping().textures())
-        stats_.poolTextures += texture.alive;
+    stats_.poolTextures = pool_.bookkeeping().textureCount();
     for (size_t i = 0; i < frame.inView.size(); ++i) {
-        const bool lit = i < frame.room.objects.size() && frame.room.objects[i].texture >= 0;
+        const bool lit = i < rooms_.objects().size() && rooms_.objects()[i].texture;
         ++(frame.inView[i] ? (lit ? stats_.objectsTsl : stats_.objectsForward) : stats_.objectsCulled);
     }
     return stats_;

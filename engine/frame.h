@@ -4,6 +4,7 @@
 #include "passes/draw_pass.h"
 #include "passes/light_pass.h"
 #include "passes/need_pass.h"
+#include "passes/plan_pass.h"
 #include "stats.h"
 
 namespace lumel {
@@ -16,13 +17,23 @@ public:
     // Renders one frame and waits for it. Throws Interrupted after Ctrl-C.
     FrameStats render(const scene::Camera& camera);
 
+    // From the next frame on; what they reach is lit again.
+    void setLights(const std::vector<scene::Light>& lights) { scene_.setLights(lights, frameIndex_ + 1); }
+    void moveObject(size_t object, const glm::mat4& worldFromObject)
+    {
+        scene_.moveObject(object, worldFromObject, frameIndex_ + 1);
+    }
+
     Image readRadiance() const; // RGB, linear, after render()
     Image readDisplay() const;  // RGB, sRGB-encoded display values in [0, 1]
 
 private:
     void recordFrame(Frame& frame);
+    void recordTextureSpace(Frame& frame);
     void recordReference(Frame& frame);
     void assignRoom(Frame& frame);
+    bool settled(const Frame& frame) const;
+    void countLumels(const Frame& frame);
     void begin(Frame& frame);
     void finish(Frame& frame); // submits what is recorded, waits, and adds up the pass times
     void writeView(Frame& frame, glm::vec2 shiftInPixels);
@@ -33,14 +44,23 @@ private:
     GpuScene scene_;
     LitPool pool_;
     NeedPass need_;
+    PlanPass plan_;
     LightPass light_;
     DrawPass draw_;
     DisplayPass display_;
     gpu::Timer timer_;
-    gpu::Buffer view_;
     vk::raii::CommandBuffers commands_;
     FrameStats stats_;
-    uint64_t frameIndex_ = 0;
+    tsl::Rooms rooms_;
+    uint32_t frameIndex_ = 0;
+    // What the lumels in the pool stand for, and whether that is all that this view needs.
+    glm::mat4 knownView_{0.0f};
+    uint32_t knownChange_ = 0;         // frame up to which changes of lights and objects are in
+    std::optional<float> levelOffset_; // of the frame before
+    bool offsetSettled_ = true;
+    uint32_t offsetsSeen_ = 0; // of the need pass's cycle, in this very view
+    size_t lumelsPending_ = 0;
+    FrameStats known_; // marks and pixels
 };
 
 } // namespace lumel

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "shared/structs.h"
 #include <CLI/CLI.hpp>
 #include <set>
 
@@ -43,7 +44,8 @@ const std::map<std::string, Shading> kShadings = {
     {"tsl", Shading::tsl}, {"forward", Shading::forward}, {"reference", Shading::reference}};
 const std::map<std::string, DrawFilter> kDrawFilters = {{"bilinear", DrawFilter::bilinear},
                                                         {"b-spline", DrawFilter::bspline},
-                                                        {"catmull-rom", DrawFilter::catmullRom}};
+                                                        {"catmull-rom", DrawFilter::catmullRom},
+                                                        {"catmull-rom-16", DrawFilter::catmullRomExact}};
 const std::map<std::string, scene::Path> kPaths = {
     {"still", scene::Path::still}, {"orbit", scene::Path::orbit}, {"dolly", scene::Path::dolly}};
 const std::map<std::string, baker::Wrap> kWraps = {{"repeat", baker::Wrap::repeat},
@@ -180,7 +182,7 @@ void addShot(CLI::App& app, ShotArguments& a)
     command
         ->add_option("--lights", a.lights,
                      "light the scene by N point and spot lights around it in place of its own")
-        ->check(CLI::Range(1, 4096));
+        ->check(CLI::Range(1u, shared::kMaxLights));
     command->add_option("--shading", a.settings.shading, "tsl, forward or reference")
         ->transform(CLI::CheckedTransformer(kShadings).description(""))
         ->default_str("tsl");
@@ -193,8 +195,33 @@ void addShot(CLI::App& app, ShotArguments& a)
     command->add_option("--samples", a.settings.samples, "reference: samples a pixel")
         ->check(CLI::Range(1, 65536))
         ->capture_default_str();
-    command->add_option("--draw-filter", a.settings.filter, "tsl: bilinear, b-spline or catmull-rom")
+    command
+        ->add_option("--draw-filter", a.settings.filter,
+                     "tsl: bilinear, b-spline, catmull-rom or catmull-rom-16")
         ->transform(CLI::CheckedTransformer(kDrawFilters).description(""));
+    command
+        ->add_option("--level-offset", a.settings.levelOffset,
+                     "tsl: levels that lumels are coarser than one a pixel, at least")
+        ->check(CLI::Range(-2.0, 8.0))
+        ->capture_default_str();
+    command
+        ->add_option("--lumels-per-pixel", a.settings.lumelsPerPixel,
+                     "tsl: everything gets coarser before a view needs more lumels a covered pixel")
+        ->check(CLI::Range(0.1, 64.0))
+        ->capture_default_str();
+    command->add_option("--lumel-budget", a.settings.lumelBudget, "tsl: lumels lit a frame; the others wait")
+        ->check(CLI::Range(64u, ~0u))
+        ->default_str("unlimited");
+    command
+        ->add_option("--refresh-share", a.settings.refreshShare,
+                     "tsl: share of the visible lumels lit again a frame because the camera moved")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    command
+        ->add_option("--tolerance", a.settings.tolerance,
+                     "tsl: keep lumels expected to change by less than this display value")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
     command->add_option("--anisotropy", a.settings.anisotropy, "tsl: most taps along a footprint")
         ->check(CLI::Range(1.0, 16.0))
         ->capture_default_str();

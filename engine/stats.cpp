@@ -9,12 +9,18 @@ using nlohmann::json;
 
 json frameJson(const FrameStats& f)
 {
-    json passes = {{"need", 0.0}, {"light", 0.0}, {"lower", 0.0}, {"draw", 0.0}, {"display", 0.0}};
+    json passes = {{"need", 0.0},  {"plan", 0.0}, {"light", 0.0},
+                   {"lower", 0.0}, {"draw", 0.0}, {"display", 0.0}};
     for (const auto& [name, ms] : f.passMs)
         passes[name] = ms;
     return {{"ms", f.ms},
             {"passes", passes},
-            {"lumels", {{"marked", f.lumelsMarked}, {"lit", f.lumelsLit}, {"kept", f.lumelsKept}}},
+            {"lumels",
+             {{"marked", f.lumelsMarked},
+              {"lit", f.lumelsLit},
+              {"derived", f.lumelsDerived},
+              {"kept", f.lumelsKept},
+              {"pending", f.lumelsPending}}},
             {"pixels_covered", f.pixelsCovered},
             {"tiles", {{"marked", f.tilesMarked}, {"lit", f.tilesLit}}},
             {"pool",
@@ -22,6 +28,7 @@ json frameJson(const FrameStats& f)
             {"objects", {{"tsl", f.objectsTsl}, {"forward", f.objectsForward}, {"culled", f.objectsCulled}}},
             {"render_scale", 1.0},
             {"level_bias", f.levelBias},
+            {"level_offset", f.levelOffset},
             {"error_rmse", nullptr}};
 }
 

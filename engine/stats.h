@@ -11,12 +11,13 @@ namespace lumel {
 struct FrameStats {
     double ms = 0.0;                      // wall time, CPU and GPU together
     std::map<std::string, double> passMs; // GPU time by pass
-    size_t lumelsMarked = 0, lumelsLit = 0, lumelsKept = 0;
+    size_t lumelsMarked = 0, lumelsLit = 0, lumelsDerived = 0, lumelsKept = 0;
+    size_t lumelsPending = 0; // left for later frames
     size_t tilesMarked = 0, tilesLit = 0;
     size_t pixelsCovered = 0; // by objects in texture space, from the need pass: a multiple of 16
     size_t poolUsedBytes = 0, poolCapBytes = 0, poolTextures = 0;
     size_t objectsTsl = 0, objectsForward = 0, objectsCulled = 0;
-    unsigned levelBias = 0;
+    float levelBias = 0.0f, levelOffset = 0.0f;
 };
 
 // What a run was: the head of the JSON.

@@ -5,12 +5,12 @@
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { DisplayPush push; };
-layout(set = 0, binding = 0, rgba16f) uniform readonly image2D frame;
-layout(set = 0, binding = 1, rgba32f) uniform image2D sum;
+layout(set = 1, binding = 0, rgba16f) uniform readonly image2D frame;
+layout(set = 1, binding = 1, rgba32f) uniform image2D sum;
 
 void main()
 {
-    uvec2 size = push.view.at.sizePixels;
+    uvec2 size = view.sizePixels;
     uint index = gl_GlobalInvocationID.x;
     if (index >= size.x * size.y)
         return;

@@ -6,16 +6,16 @@
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { DisplayPush push; };
-layout(set = 0, binding = 0) uniform sampler2D radiance; // half or single precision
-layout(set = 0, binding = 1, rgba8) uniform writeonly image2D display;
+layout(set = 1, binding = 0) uniform sampler2D radiance; // half or single precision
+layout(set = 1, binding = 1, rgba8) uniform writeonly image2D display;
 
 void main()
 {
-    uvec2 size = push.view.at.sizePixels;
+    uvec2 size = view.sizePixels;
     uint index = gl_GlobalInvocationID.x;
     if (index >= size.x * size.y)
         return;
     ivec2 pixel = ivec2(index % size.x, index / size.x);
     vec3 linear = texelFetch(radiance, pixel, 0).rgb * push.weight;
-    imageStore(display, pixel, vec4(displayColour(linear, push.view.at.exposure), 1.0));
+    imageStore(display, pixel, vec4(displayColour(linear, view.exposure), 1.0));
 }

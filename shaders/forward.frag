@@ -14,14 +14,17 @@ layout(location = 0) out vec4 colour;
 
 void main()
 {
-    View view = push.view.at;
-    Object object = view.objects.at[push.object];
+    ObjectAt object = objectAt(push.object);
     float level = push.level;
     if (level < 0.0)
         level = max(footprintOf(dFdx(uv), dFdy(uv), vec2(textureSize(mapNormal, 0)), 1.0).level, 0.0);
     float opacity = sampleBeside(mapOpacity, uv, level).x;
-    if ((object.flags & kObjectMask) != 0u && opacity < object.alphaCutoff)
+    if ((object.at.flags & kObjectMask) != 0u && opacity < object.at.alphaCutoff)
         discard;
     MaterialTexel material = sampleMaterial(uv, level);
-    colour = vec4(shadeSurface(view, object, material, positionInWorld, normalInWorld, tangentInWorld), opacity);
+    ShadingPoint point = shadingPoint(object, material, positionInWorld, normalInWorld, tangentInWorld);
+    vec3 radiance = point.radiance;
+    for (uint i = 0u; i < view.lightCount; ++i)
+        radiance += reflectedFrom(point, lights[i]);
+    colour = vec4(storable(radiance), opacity * push.opacity);
 }

@@ -1,42 +1,21 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Light pass: each invocation lights one lumel of a listed 8x8 tile at the level its object needs. The texel
-// map says which triangle the lumel lies on; gutter lumels extend the nearest triangle, so that filter taps
-// across a chart's border meet a smooth continuation.
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_basic : require
+// Light pass: a group lights one 8x8 tile after another of its job's list, an invocation a lumel. The texel map
+// says which triangle a lumel lies on; gutter lumels extend the nearest triangle, so that filter taps across a
+// chart's border meet a smooth continuation.
 #include "lib/geometry.glsl"
 #include "lib/surface.glsl"
+#include "lib/tiles.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { LightPush push; };
-layout(set = 1, binding = 0, rgba16f) uniform writeonly image2DArray lit;
+layout(set = 2, binding = 0, rgba16f) uniform image2DArray lit;
 
-// Barycentric coordinates of p in the triangle of texture coordinates a, b, c; extrapolates outside.
-vec3 barycentrics(vec2 a, vec2 b, vec2 c, vec2 p)
+// The lumel's point on the surface; uv is its centre's.
+ShadingPoint pointOf(ObjectAt object, uint level, uvec2 lumel, uvec2 size, uint triangle)
 {
-    vec2 ab = b - a, ac = c - a, ap = p - a;
-    float area = ab.x * ac.y - ab.y * ac.x;
-    float inverseArea = abs(area) > 1e-20 ? 1.0 / area : 0.0;
-    float v = (ap.x * ac.y - ap.y * ac.x) * inverseArea;
-    float w = (ab.x * ap.y - ab.y * ap.x) * inverseArea;
-    return vec3(1.0 - v - w, v, w);
-}
-
-void main()
-{
-    Tile tile = push.tiles.at[gl_WorkGroupID.x];
-    View view = push.view.at;
-    Object object = view.objects.at[tile.object];
-    uvec2 lumel = uvec2(tile.x, tile.y) * kTileSize +
-                  uvec2(gl_LocalInvocationIndex % kTileSize, gl_LocalInvocationIndex / kTileSize);
-    uint level = object.litLevel;
-    uvec2 size = max(object.litSize >> level, uvec2(1u));
-    if (any(greaterThanEqual(lumel, size)))
-        return;
-    uint texel = object.texels.at[object.texelOffsets[level] + lumel.y * size.x + lumel.x];
-    uint triangle = texel & kTexelTriangleMask;
-    if (triangle == 0u)
-        return;
-
     Vertex a = pullVertex(object, 3u * triangle - 3u);
     Vertex b = pullVertex(object, 3u * triangle - 2u);
     Vertex c = pullVertex(object, 3u * triangle - 1u);
@@ -45,14 +24,62 @@ void main()
     vec3 position = w.x * a.position + w.y * b.position + w.z * c.position;
     vec3 normal = w.x * a.normal + w.y * b.normal + w.z * c.normal;
     vec3 tangent = w.x * a.tangent.xyz + w.y * b.tangent.xyz + w.z * c.tangent.xyz;
+    // Where lumels coincide with the material's texels, their centres do: no filtering. Finer lumels magnify its
+    // level 0.
+    MaterialTexel material = sampleMaterial(uv, max(float(level) + object.at.materialLevelOffset, 0.0));
+    return shadingPoint(object, material, (object.at.worldFromObject * vec4(position, 1.0)).xyz,
+                        object.at.worldFromObjectNormal * normal,
+                        vec4(mat3(object.at.worldFromObject) * tangent, a.tangent.w));
+}
 
-    // Lumels coincide with the material's texels on levels that both have; finer lumels magnify its level 0.
-    float materialLevel = float(level) + object.materialLevelOffset;
-    bool coincide = materialLevel >= 0.0 && materialLevel == floor(materialLevel) && object.texelsCoincide != 0u;
-    MaterialTexel material = coincide ? fetchMaterial(ivec2(lumel), int(materialLevel), uv)
-                                      : sampleMaterial(uv, max(materialLevel, 0.0));
-    vec3 radiance = shadeSurface(view, object, material, (object.worldFromObject * vec4(position, 1.0)).xyz,
-                                 object.worldFromObjectNormal * normal,
-                                 vec4(mat3(object.worldFromObject) * tangent, a.tangent.w));
-    imageStore(lit, ivec3(lumel, object.layer), vec4(radiance, 1.0));
+vec3 lightThrough(ShadingPoint point, JobTile job)
+{
+    vec3 radiance = vec3(0.0);
+    for (uint word = 0u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word)
+        for (uint bits = job.lights[word]; bits != 0u; bits &= bits - 1u)
+            radiance += reflectedFrom(point, lights[32u * word + findLSB(bits)]);
+    for (uint i = kListedLights; i < view.lightCount; ++i)
+        radiance += reflectedFrom(point, lights[i]);
+    return radiance;
+}
+
+// Squared change in display value from what the lumel held. A square root stands for the display transform.
+float changeOf(vec3 before, vec3 after, float exposure)
+{
+    vec3 d = sqrt(min(after * exposure, vec3(1.0))) - sqrt(min(before * exposure, vec3(1.0)));
+    return dot(d, d) / 3.0;
+}
+
+void lightTile(uint slot)
+{
+    Tile tile = push.tiles.at[slot].tile;
+    ObjectAt object = objectAt(tile.object);
+    uint mip = placeMip(tile.place);
+    uvec2 size = mipSize(object, mip);
+    uvec2 lumel = placeTile(tile.place) * kTileSize +
+                  uvec2(gl_LocalInvocationIndex % kTileSize, gl_LocalInvocationIndex / kTileSize);
+    if (any(greaterThanEqual(lumel, size)))
+        return;
+    uint level = object.at.litLevel + mip;
+    ivec3 place = ivec3(mipOrigin(mipSize(object, 0u), mip) + lumel, object.at.layer);
+    uint triangle = texelAt(object, level, lumel) & kTexelTriangleMask;
+    if (triangle == 0u) { // a former owner's lumels could be not-a-number
+        imageStore(lit, place, vec4(0.0));
+        return;
+    }
+    ShadingPoint point = pointOf(object, level, lumel, size, triangle);
+    vec3 radiance = storable(point.radiance + lightThrough(point, push.tiles.at[slot]));
+    // Integers add up to the same sum in every order.
+    uint change = uint(changeOf(imageLoad(lit, place).rgb, radiance, view.exposure) * (kChangeUnit / 64.0));
+    uint sum = subgroupAdd(change);
+    if (subgroupElect())
+        atomicAdd(object.at.tiles.at[tileIndex(object, mip, placeTile(tile.place))].change, sum);
+    imageStore(lit, place, vec4(radiance, 1.0));
+}
+
+void main()
+{
+    Job job = push.jobs.at[push.job];
+    for (uint i = gl_WorkGroupID.x; i < job.count; i += gl_NumWorkGroups.x)
+        lightTile(job.first + i);
 }

@@ -1,18 +1,20 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Need pass: what each sample sees. The depth test leaves the nearest surface, so hidden ones are never
-// marked by need.comp, which reads this image.
+// marked by the passes that read this image.
 #include "lib/interface.glsl"
 #include "lib/footprint.glsl"
 
 layout(push_constant, scalar) uniform Constants { NeedPush push; };
 layout(location = 0) in vec2 uv;
-layout(location = 0) out uvec2 seen; // object + 1, level in 1 / kNeedScale
+// Object and level (kSeen...), uv as unorm16, its derivatives per full-size pixel to the right and down.
+layout(location = 0) out uvec4 seen;
 
 void main()
 {
-    Object object = push.view.at.objects.at[push.object];
-    Footprint footprint = footprintOf(dFdx(uv) / push.divisor, dFdy(uv) / push.divisor, vec2(object.litSize),
-                                      push.view.at.anisotropy);
-    seen = uvec2(push.object + 1u, uint(clamp(footprint.level, 0.0, 30.0) * float(kNeedScale)));
+    vec2 dx = dFdx(uv) / push.divisor, dy = dFdy(uv) / push.divisor;
+    Footprint footprint = footprintOf(dx, dy, vec2(objectAt(push.object).at.litSize), view.anisotropy);
+    uint level = uint(clamp(footprint.level - kNeedFinest, 0.0, 15.99) * float(kNeedScale));
+    seen = uvec4((push.object + 1u) << kSeenObjectShift | level, packUnorm2x16(uv), packHalf2x16(dx),
+                 packHalf2x16(dy));
 }

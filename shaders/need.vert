@@ -8,9 +8,9 @@ layout(location = 0) out vec2 uv;
 
 void main()
 {
-    Object object = push.view.at.objects.at[push.object];
+    ObjectAt object = objectAt(push.object);
     Vertex vertex = pullVertex(object, gl_VertexIndex);
     uv = vertex.uv;
-    gl_Position = push.view.at.clipFromWorld * (object.worldFromObject * vec4(vertex.position, 1.0));
+    gl_Position = view.clipFromWorld * (object.at.worldFromObject * vec4(vertex.position, 1.0));
     gl_Position.xy += push.jitter * gl_Position.w;
 }

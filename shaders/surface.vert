@@ -11,12 +11,12 @@ layout(location = 3) out vec2 uv;
 
 void main()
 {
-    Object object = push.view.at.objects.at[push.object];
+    ObjectAt object = objectAt(push.object);
     Vertex vertex = pullVertex(object, gl_VertexIndex);
-    vec4 world = object.worldFromObject * vec4(vertex.position, 1.0);
+    vec4 world = object.at.worldFromObject * vec4(vertex.position, 1.0);
     positionInWorld = world.xyz;
-    normalInWorld = object.worldFromObjectNormal * vertex.normal;
-    tangentInWorld = vec4(mat3(object.worldFromObject) * vertex.tangent.xyz, vertex.tangent.w);
+    normalInWorld = object.at.worldFromObjectNormal * vertex.normal;
+    tangentInWorld = vec4(mat3(object.at.worldFromObject) * vertex.tangent.xyz, vertex.tangent.w);
     uv = vertex.uv;
-    gl_Position = push.view.at.clipFromWorld * world;
+    gl_Position = view.clipFromWorld * world;
 }

@@ -34,6 +34,12 @@ UseMasks masksOf(Use use)
                 Layout::eDepthAttachmentOptimal};
     case Use::hostRead:
         return {Stage::eHost, Access::eHostRead, Layout::eGeneral};
+    case Use::indirectRead:
+        return {Stage::eDrawIndirect | Stage::eComputeShader,
+                Access::eIndirectCommandRead | Access::eShaderStorageRead | Access::eShaderStorageWrite,
+                Layout::eGeneral};
+    case Use::general:
+        return {Stage::eAllCommands, Access::eMemoryRead | Access::eMemoryWrite, Layout::eGeneral};
     }
     return {};
 }

@@ -16,6 +16,8 @@ enum class Use {
     colorWrite,
     depthWrite,
     hostRead,
+    indirectRead, // dispatch arguments
+    general,      // an image or buffer that any command may read and write
 };
 
 struct UseMasks {

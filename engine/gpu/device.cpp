@@ -44,6 +44,8 @@ std::string missingFeature(const vk::raii::PhysicalDevice& device)
                                               vk::PhysicalDeviceVulkan13Features>();
     const auto& f12 = features.get<vk::PhysicalDeviceVulkan12Features>();
     const auto& f13 = features.get<vk::PhysicalDeviceVulkan13Features>();
+    if (!features.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64)
+        return "shaderInt64";
     if (!f12.scalarBlockLayout)
         return "scalarBlockLayout";
     if (!f12.bufferDeviceAddress)
@@ -169,7 +171,7 @@ void Device::createDevice()
         .queueFamilyIndex = queueFamily_, .queueCount = 1, .pQueuePriorities = &priority};
     const vk::StructureChain<vk::DeviceCreateInfo, vk::PhysicalDeviceFeatures2,
                              vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceVulkan13Features>
-        info({.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue}, {},
+        info({.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue}, {.features = {.shaderInt64 = VK_TRUE}},
              {.scalarBlockLayout = VK_TRUE, .bufferDeviceAddress = VK_TRUE},
              {.synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE, .maintenance4 = VK_TRUE});
     device_ = vk::raii::Device(physical_, info.get<vk::DeviceCreateInfo>());
@@ -179,11 +181,12 @@ void Device::createDevice()
                                         .queueFamilyIndex = queueFamily_});
     // Sets: one a material, a pool block and a pass. 4096 materials with 8 images each fill it.
     const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eCombinedImageSampler, 32768},
-                                            {vk::DescriptorType::eStorageImage, 16384}};
+                                            {vk::DescriptorType::eStorageImage, 16384},
+                                            {vk::DescriptorType::eUniformBuffer, 64}};
     descriptorPool_ =
         vk::raii::DescriptorPool(device_, {.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
                                            .maxSets = 8192,
-                                           .poolSizeCount = 2,
+                                           .poolSizeCount = 3,
                                            .pPoolSizes = sizes});
     fence_ = vk::raii::Fence(device_, vk::FenceCreateInfo{});
 }

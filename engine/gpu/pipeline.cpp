@@ -68,16 +68,27 @@ vk::raii::DescriptorSet makeSet(const Device& device, const SetLayout& layout)
 }
 
 void writeSampled(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::Sampler sampler,
-                  vk::ImageView view)
+                  vk::ImageView view, vk::ImageLayout layout)
 {
-    const vk::DescriptorImageInfo image{
-        .sampler = sampler, .imageView = view, .imageLayout = vk::ImageLayout::eShaderReadOnlyOptimal};
+    const vk::DescriptorImageInfo image{.sampler = sampler, .imageView = view, .imageLayout = layout};
     device.handle().updateDescriptorSets(
         vk::WriteDescriptorSet{.dstSet = set,
                                .dstBinding = binding,
                                .descriptorCount = 1,
                                .descriptorType = vk::DescriptorType::eCombinedImageSampler,
                                .pImageInfo = &image},
+        nullptr);
+}
+
+void writeUniform(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::Buffer buffer)
+{
+    const vk::DescriptorBufferInfo info{.buffer = buffer, .offset = 0, .range = VK_WHOLE_SIZE};
+    device.handle().updateDescriptorSets(
+        vk::WriteDescriptorSet{.dstSet = set,
+                               .dstBinding = binding,
+                               .descriptorCount = 1,
+                               .descriptorType = vk::DescriptorType::eUniformBuffer,
+                               .pBufferInfo = &info},
         nullptr);
 }
 
@@ -114,9 +125,17 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
     const auto vertex = makeModule(device, info.vertex);
     const auto fragment = makeModule(device, info.fragment);
+    const vk::SpecializationMapEntry entry{.constantID = 0, .offset = 0, .size = sizeof(info.constant)};
+    const vk::SpecializationInfo constants{.mapEntryCount = 1,
+                                           .pMapEntries = &entry,
+                                           .dataSize = sizeof(info.constant),
+                                           .pData = &info.constant};
     const vk::PipelineShaderStageCreateInfo stages[] = {
         {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
-        {.stage = vk::ShaderStageFlagBits::eFragment, .module = *fragment, .pName = "main"}};
+        {.stage = vk::ShaderStageFlagBits::eFragment,
+         .module = *fragment,
+         .pName = "main",
+         .pSpecializationInfo = &constants}};
     const vk::PipelineVertexInputStateCreateInfo noInput;
     const vk::PipelineInputAssemblyStateCreateInfo triangles{.topology =
                                                                  vk::PrimitiveTopology::eTriangleList};
@@ -124,9 +143,10 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill,
                                                           .lineWidth = 1.0f};
     const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = info.samples};
-    const vk::PipelineDepthStencilStateCreateInfo depth{.depthTestEnable = VK_TRUE,
-                                                        .depthWriteEnable = !info.blend,
-                                                        .depthCompareOp = vk::CompareOp::eGreater};
+    const vk::PipelineDepthStencilStateCreateInfo depth{
+        .depthTestEnable = VK_TRUE,
+        .depthWriteEnable = !info.blend,
+        .depthCompareOp = info.blend ? vk::CompareOp::eGreaterOrEqual : vk::CompareOp::eGreater};
     using Factor = vk::BlendFactor;
     using Component = vk::ColorComponentFlagBits;
     const vk::PipelineColorBlendAttachmentState attachment{.blendEnable = info.blend,

@@ -14,7 +14,8 @@ using SetLayout = vk::raii::DescriptorSetLayout;
 SetLayout makeSetLayout(const Device& device, const std::vector<vk::DescriptorType>& bindings);
 vk::raii::DescriptorSet makeSet(const Device& device, const SetLayout& layout);
 void writeSampled(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::Sampler sampler,
-                  vk::ImageView view);
+                  vk::ImageView view, vk::ImageLayout layout = vk::ImageLayout::eShaderReadOnlyOptimal);
+void writeUniform(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::Buffer buffer);
 void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::ImageView view);
 
 struct Pipeline {
@@ -31,7 +32,8 @@ struct GraphicsInfo {
     uint32_t pushBytes = 0;
     vk::Format color = vk::Format::eR16G16B16A16Sfloat;
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
-    bool blend = false; // over, straight alpha; depth is then tested, not written
+    uint32_t constant = 0; // the fragment shader's specialisation constant 0, if it has one
+    bool blend = false;    // over, straight alpha; equal depth passes, none is written
 };
 // Triangle list without vertex input (shaders pull), reversed depth in D32, dynamic viewport, scissor, cull
 // mode and front face.

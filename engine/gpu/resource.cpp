@@ -11,7 +11,8 @@ Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string&
 {
     using Usage = vk::BufferUsageFlagBits;
     buffer_ = vk::raii::Buffer(device.handle(), {.size = size_,
-                                                 .usage = Usage::eStorageBuffer | Usage::eTransferSrc |
+                                                 .usage = Usage::eStorageBuffer | Usage::eIndirectBuffer |
+                                                          Usage::eUniformBuffer | Usage::eTransferSrc |
                                                           Usage::eTransferDst | Usage::eShaderDeviceAddress});
     using Property = vk::MemoryPropertyFlagBits;
     const auto wanted = home == Home::host ? Property::eHostVisible | Property::eHostCoherent
@@ -61,18 +62,11 @@ Image::Image(const Device& device, const ImageInfo& info, const std::string& nam
 
     const auto type =
         info.layers > 1 || info.arrayView ? vk::ImageViewType::e2DArray : vk::ImageViewType::e2D;
-    vk::ImageViewCreateInfo view{.image = *image_,
-                                 .viewType = type,
-                                 .format = info.format,
-                                 .subresourceRange = {aspect(), 0, info.mips, 0, info.layers}};
+    const vk::ImageViewCreateInfo view{.image = *image_,
+                                       .viewType = type,
+                                       .format = info.format,
+                                       .subresourceRange = {aspect(), 0, info.mips, 0, info.layers}};
     view_ = vk::raii::ImageView(device.handle(), view);
-    if (!(info.usage & vk::ImageUsageFlagBits::eStorage))
-        return;
-    for (uint32_t mip = 0; mip < info.mips; ++mip) {
-        view.subresourceRange.baseMipLevel = mip;
-        view.subresourceRange.levelCount = 1;
-        mipViews_.emplace_back(device.handle(), view);
-    }
 }
 
 Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,

@@ -56,7 +56,6 @@ public:
 
     vk::Image handle() const { return *image_; }
     vk::ImageView view() const { return *view_; }
-    vk::ImageView mipView(uint32_t mip) const { return *mipViews_[mip]; } // storage images only
     const ImageInfo& info() const { return info_; }
     vk::Extent2D extent() const { return {info_.width, info_.height}; }
     vk::ImageAspectFlags aspect() const;
@@ -69,7 +68,6 @@ private:
     vk::raii::DeviceMemory memory_ = nullptr;
     vk::raii::Image image_ = nullptr;
     vk::raii::ImageView view_ = nullptr;
-    std::vector<vk::raii::ImageView> mipViews_;
 };
 
 // An RGBA16F image with all its mips for sampling. levels[i] holds width >> i by height >> i RGBA half texels

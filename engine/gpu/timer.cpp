@@ -20,6 +20,10 @@ void Timer::begin(vk::CommandBuffer commands, const char* name)
     assert(names_.size() < kMaxScopes);
     commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_, uint32_t(2 * names_.size()));
     names_.emplace_back(name);
+    // Software Vulkan takes the time when it flushes, which a dispatch alone does not make it do.
+    const vk::MemoryBarrier2 all{.srcStageMask = vk::PipelineStageFlagBits2::eAllCommands,
+                                 .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands};
+    commands.pipelineBarrier2(vk::DependencyInfo{.memoryBarrierCount = 1, .pMemoryBarriers = &all});
 }
 
 void Timer::end(vk::CommandBuffer commands)

@@ -2,16 +2,17 @@
 
 namespace lumel {
 
-DisplayPass::DisplayPass(const gpu::Device& device, const Targets& targets)
+DisplayPass::DisplayPass(const gpu::Device& device, const GpuScene& scene, const Targets& targets)
     : sampler_(device.handle(), vk::SamplerCreateInfo{}),
       accumulateLayout_(
           gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
       displayLayout_(gpu::makeSetLayout(
           device, {vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eStorageImage})),
-      accumulate_(gpu::makeComputePipeline(device, "accumulate.comp", {*accumulateLayout_},
+      accumulate_(gpu::makeComputePipeline(device, "accumulate.comp",
+                                           {*scene.frameLayout(), *accumulateLayout_},
                                            sizeof(shared::DisplayPush))),
-      display_(
-          gpu::makeComputePipeline(device, "display.comp", {*displayLayout_}, sizeof(shared::DisplayPush)))
+      display_(gpu::makeComputePipeline(device, "display.comp", {*scene.frameLayout(), *displayLayout_},
+                                        sizeof(shared::DisplayPush)))
 {
     const auto showing = [&](const gpu::Image& radiance) {
         auto set = gpu::makeSet(device, displayLayout_);
@@ -45,10 +46,8 @@ void DisplayPass::accumulate(Frame& frame)
     gpu::imageBarrier(frame.commands, hdr.handle(), hdr.aspect(), gpu::Use::colorWrite,
                       gpu::Use::computeRead);
     gpu::memoryBarrier(frame.commands, gpu::Use::computeReadWrite, gpu::Use::computeReadWrite);
-    frame.commands.bindPipeline(vk::PipelineBindPoint::eCompute, *accumulate_.handle);
-    frame.commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *accumulate_.layout, 0,
-                                      *accumulateSet_, nullptr);
-    pushConstants(frame.commands, accumulate_, shared::DisplayPush{.view = frame.view, .weight = 1.0f});
+    bindSets(frame, vk::PipelineBindPoint::eCompute, accumulate_, {*accumulateSet_});
+    pushConstants(frame.commands, accumulate_, shared::DisplayPush{.weight = 1.0f});
     const glm::uvec2 size = frame.settings.size;
     frame.commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
 }
@@ -64,11 +63,8 @@ void DisplayPass::record(Frame& frame, int sampleCount)
                       gpu::Use::computeSample);
     gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::undefined,
                       gpu::Use::computeWrite);
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *display_.handle);
-    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *display_.layout, 0,
-                                sampleCount ? *sumSet_ : *hdrSet_, nullptr);
-    pushConstants(commands, display_,
-                  shared::DisplayPush{.view = frame.view, .weight = 1.0f / float(std::max(sampleCount, 1))});
+    bindSets(frame, vk::PipelineBindPoint::eCompute, display_, {sampleCount ? *sumSet_ : *hdrSet_});
+    pushConstants(commands, display_, shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1))});
     const glm::uvec2 size = frame.settings.size;
     commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
     gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,

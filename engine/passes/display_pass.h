@@ -6,7 +6,7 @@ namespace lumel {
 
 class DisplayPass {
 public:
-    DisplayPass(const gpu::Device& device, const Targets& targets);
+    DisplayPass(const gpu::Device& device, const GpuScene& scene, const Targets& targets);
     void clearSum(Frame& frame);
     void accumulate(Frame& frame);              // adds hdr to the sum
     void record(Frame& frame, int sampleCount); // 0: shows hdr, else the sum's mean

@@ -9,36 +9,57 @@ DrawPass::DrawPass(const gpu::Device& device, const Settings& settings, const Gp
     const bool multisampling = settings.msaa > 1 && settings.shading != Shading::reference;
     gpu::GraphicsInfo info{.vertex = "surface.vert",
                            .fragment = "draw.frag",
-                           .sets = {*pool.drawLayout()},
-                           .pushBytes = sizeof(shared::DrawPush),
+                           .sets = {*scene.frameLayout(), *pool.layout()},
+                           .pushBytes = sizeof(shared::LitPush),
                            .samples =
-                               multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1};
+                               multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1,
+                           .constant = uint32_t(settings.filter)};
     lit_ = gpu::makeGraphicsPipeline(device, info);
     info.fragment = "forward.frag";
-    info.sets = {*scene.materialLayout()};
+    info.pushBytes = sizeof(shared::DrawPush);
+    info.sets = {*scene.frameLayout(), *scene.materialLayout()};
     forward_ = gpu::makeGraphicsPipeline(device, info);
     info.blend = true;
     blended_ = gpu::makeGraphicsPipeline(device, info);
 }
 
-void DrawPass::drawObject(Frame& frame, LitPool& pool, size_t object)
+void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
 {
     const vk::CommandBuffer commands = frame.commands;
-    const GpuObject& o = frame.scene.objects()[object];
-    const int texture = object < frame.room.objects.size() ? frame.room.objects[object].texture : -1;
-    const gpu::Pipeline& pipeline = o.blend ? blended_ : texture >= 0 ? lit_ : forward_;
-    commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipeline.handle);
-    commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *pipeline.layout, 0,
-                                texture >= 0 ? *pool.texture(texture).drawSet : *o.material->set, nullptr);
-    pushConstants(commands, pipeline,
-                  shared::DrawPush{.view = frame.view,
-                                   .object = uint32_t(object),
-                                   .filterKind = uint32_t(frame.settings.filter),
-                                   .level = frame.settings.shading == Shading::reference ? 0.0f : -1.0f});
+    bindSets(frame, vk::PipelineBindPoint::eGraphics, lit_,
+             {*pool.block(frame.rooms.objects()[object].texture).set});
+    const tsl::ObjectRoom& room = frame.rooms.objects()[object];
+    const LitBlock& block = pool.block(room.texture);
+    shared::LitPush push{
+        .draw = {.object = uint32_t(object), .opacity = 1.0f, .level = -1.0f, .frame = frame.index},
+        .tiles = block.states.address() + block.stateOffset(room.texture.layer),
+        .size = block.layout.size,
+        .level = frame.levelOffset,
+        .finest = room.finest,
+        .anisotropy = frame.settings.anisotropy,
+        .layer = room.texture.layer,
+        .mips = block.layout.mips,
+        .tileOffsets = {}};
+    std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), push.tileOffsets);
+    pushConstants(commands, lit_, push);
     frame.scene.drawTriangles(commands, object);
 }
 
-void DrawPass::record(Frame& frame, LitPool& pool)
+void DrawPass::drawForward(Frame& frame, size_t object, float opacity)
+{
+    const vk::CommandBuffer commands = frame.commands;
+    const GpuObject& o = frame.scene.objects()[object];
+    const gpu::Pipeline& pipeline = o.blend || opacity < 1.0f ? blended_ : forward_;
+    bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline, {*o.material->set});
+    pushConstants(commands, pipeline,
+                  shared::DrawPush{.object = uint32_t(object),
+                                   .opacity = opacity,
+                                   .level = frame.settings.shading == Shading::reference ? 0.0f : -1.0f,
+                                   .frame = frame.index});
+    frame.scene.drawTriangles(commands, object);
+}
+
+void DrawPass::record(Frame& frame, const LitPool& pool)
 {
     const PassScope scope(frame, "draw");
     const vk::CommandBuffer commands = frame.commands;
@@ -78,21 +99,30 @@ void DrawPass::record(Frame& frame, LitPool& pool)
     setViewport(commands, targets.hdr.extent());
 
     std::vector<std::pair<float, size_t>> blended; // distance, object
+    std::vector<size_t> fading;                    // between lit texture and forward
     const auto& objects = frame.scene.objects();
+    const auto& rooms = frame.rooms.objects();
     for (size_t i = 0; i < objects.size(); ++i) {
         if (!frame.inView[i])
             continue;
-        if (!objects[i].blend) {
-            drawObject(frame, pool, i);
-            continue;
+        const bool lit = frame.settings.shading == Shading::tsl && i < rooms.size() && rooms[i].texture;
+        if (objects[i].blend) {
+            const glm::vec3 centre =
+                objects[i].data.worldFromObject * glm::vec4(objects[i].bounds.centre(), 1.0f);
+            blended.emplace_back(glm::distance(centre, frame.eye), i);
+        } else if (lit) {
+            drawLit(frame, pool, i);
+            if (rooms[i].share < 1.0f)
+                fading.push_back(i);
+        } else {
+            drawForward(frame, i, 1.0f);
         }
-        const glm::vec3 centre =
-            objects[i].data.worldFromObject * glm::vec4(objects[i].bounds.centre(), 1.0f);
-        blended.emplace_back(glm::distance(centre, frame.eye), i);
     }
+    for (const size_t object : fading)
+        drawForward(frame, object, 1.0f - rooms[object].share);
     std::sort(blended.begin(), blended.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     for (const auto& [distance, object] : blended)
-        drawObject(frame, pool, object);
+        drawForward(frame, object, 1.0f);
     commands.endRendering();
 }
 

@@ -8,10 +8,12 @@ namespace lumel {
 class DrawPass {
 public:
     DrawPass(const gpu::Device& device, const Settings& settings, const GpuScene& scene, const LitPool& pool);
-    void record(Frame& frame, LitPool& pool);
+    void record(Frame& frame, const LitPool& pool);
 
 private:
-    void drawObject(Frame& frame, LitPool& pool, size_t object);
+    void drawLit(Frame& frame, const LitPool& pool, size_t object);
+    // opacity < 1: over what is there.
+    void drawForward(Frame& frame, size_t object, float opacity);
     gpu::Pipeline lit_, forward_, blended_;
 };
 

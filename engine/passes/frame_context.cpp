@@ -41,6 +41,15 @@ Targets::Targets(const gpu::Device& device, const Settings& settings)
                          "display");
 }
 
+void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
+              std::initializer_list<vk::DescriptorSet> sets)
+{
+    std::vector<vk::DescriptorSet> all{frame.scene.frameSet()};
+    all.insert(all.end(), sets);
+    frame.commands.bindPipeline(point, *pipeline.handle);
+    frame.commands.bindDescriptorSets(point, *pipeline.layout, 0, all, nullptr);
+}
+
 void setViewport(vk::CommandBuffer commands, vk::Extent2D extent)
 {
     commands.setViewport(

@@ -26,11 +26,11 @@ struct Frame {
     const Settings& settings;
     glm::mat4 clipFromWorld{1.0f};
     glm::vec3 eye{0.0f};
-    vk::DeviceAddress view = 0;
-    uint64_t index = 0;
+    uint32_t index = 0;                 // from 1
     std::vector<uint8_t> inView;        // per object: its bounds meet the view
     std::vector<tsl::ObjectNeed> needs; // per object, from the need pass
-    tsl::Room room;                     // per object, its lit texture
+    float levelOffset = 0.0f;           // levels coarser than one lumel a pixel
+    tsl::Rooms& rooms;                  // per object, its lit texture
 };
 
 // One string names a pass for debug labels and timings.
@@ -60,6 +60,10 @@ void pushConstants(vk::CommandBuffer commands, const gpu::Pipeline& pipeline, co
 {
     commands.pushConstants<Push>(*pipeline.layout, vk::ShaderStageFlagBits::eAll, 0, push);
 }
+
+// Set 0 of every pipeline is the frame's view and lights; `sets` follow.
+void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
+              std::initializer_list<vk::DescriptorSet> sets = {});
 
 inline uint32_t groupsOf64(uint32_t invocations)
 {

@@ -1,5 +1,8 @@
 #include "gpu_scene.h"
+#include "core/error.h"
 #include "core/image.h"
+#include "lit_pool.h"
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 namespace lumel {
@@ -62,7 +65,9 @@ shared::Light packLight(const scene::Light& light)
 
 GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
                    const std::vector<scene::BakedMaterial>& materials)
-    : materialLayout_(gpu::makeSetLayout(
+    : frameLayout_(gpu::makeSetLayout(
+          device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer})),
+      materialLayout_(gpu::makeSetLayout(
           device, std::vector<vk::DescriptorType>(5, vk::DescriptorType::eCombinedImageSampler))),
       sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
                                  .minFilter = vk::Filter::eLinear,
@@ -77,7 +82,8 @@ GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
     materials_.reserve(materials.size()); // sets point into it
     for (size_t i = 0; i < materials.size(); ++i)
         uploadMaterial(device, materials[i], scene.materials[i].name);
-    uploadLights(device, scene);
+    makeFrameSet(device);
+    lightScene(scene);
     for (const scene::Object& object : scene.objects)
         addObject(device, scene, object);
     objectTable_ =
@@ -108,14 +114,20 @@ void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMater
     materials_.push_back(std::move(material));
 }
 
-void GpuScene::uploadLights(const gpu::Device& device, const scene::Scene& scene)
+void GpuScene::makeFrameSet(const gpu::Device& device)
 {
-    std::vector<shared::Light> lights;
+    using Home = gpu::Buffer::Home;
+    view_ = gpu::Buffer(device, sizeof(shared::View), Home::host, "view");
+    lights_ = gpu::Buffer(device, shared::kMaxLights * sizeof(shared::Light), Home::host, "lights");
+    frameSet_ = gpu::makeSet(device, frameLayout_);
+    gpu::writeUniform(device, *frameSet_, 0, view_.handle());
+    gpu::writeUniform(device, *frameSet_, 1, lights_.handle());
+}
+
+void GpuScene::lightScene(const scene::Scene& scene)
+{
     const auto source = scene.lights.empty() ? scene::threeLightRig() : scene.lights;
-    for (const scene::Light& light : source)
-        lights.push_back(packLight(light));
-    lightCount_ = uint32_t(lights.size());
-    lights_ = gpu::uploadBuffer(device, lights, "lights");
+    setLights(source, 0);
     // A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the
     // brightest directional light's irradiance, a third of that from below.
     float brightest = 0.0f;
@@ -126,6 +138,33 @@ void GpuScene::uploadLights(const gpu::Device& device, const scene::Scene& scene
     ground_ = sky_ / 3.0f;
 }
 
+void GpuScene::setLights(const std::vector<scene::Light>& lights, uint32_t frame)
+{
+    if (lights.size() > shared::kMaxLights)
+        throw Error(fmt::format("the scene has {} lights, the limit is {}; remove some", lights.size(),
+                                shared::kMaxLights));
+    auto* table = lights_.mapped<shared::Light>();
+    const bool recount = lights.size() != lightCount_;
+    for (size_t i = 0; i < lights.size(); ++i) {
+        shared::Light light = packLight(lights[i]);
+        light.changed = table[i].changed;
+        if (recount || std::memcmp(&light, &table[i], sizeof(light)) != 0) {
+            light.changed = changed_ = frame;
+            table[i] = light;
+        }
+    }
+    lightCount_ = uint32_t(lights.size());
+}
+
+void GpuScene::moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame)
+{
+    shared::Object& data = objects_[object].data;
+    data.worldFromObject = worldFromObject;
+    data.worldFromObjectNormal = glm::transpose(glm::inverse(glm::mat3(worldFromObject)));
+    data.changed = changed_ = frame;
+    objects_[object].mirrored = glm::determinant(glm::mat3(worldFromObject)) < 0.0f;
+}
+
 const GpuTexelMap* GpuScene::texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
                                          glm::uvec2 grid)
 {
@@ -133,8 +172,6 @@ const GpuTexelMap* GpuScene::texelMapFor(const gpu::Device& device, const scene:
     if (!slot) {
         slot = std::make_unique<GpuTexelMap>();
         slot->map = tsl::makeTexelMap(scene.meshes[size_t(mesh)], grid);
-        for (uint32_t level = 0; level < slot->map.levels; ++level)
-            slot->tiles.push_back(tsl::occupiedTiles(slot->map, level));
         slot->buffer = gpu::uploadBuffer(device, slot->map.texels, "texel map");
         slot->map.texels = {};
     }
@@ -151,18 +188,13 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     result.indexCount = uint32_t(mesh.indices.size());
     result.bounds = mesh.bounds;
     result.blend = material.alphaMode == scene::AlphaMode::blend;
-    result.mirrored = glm::determinant(glm::mat3(object.worldFromObject)) < 0.0f;
 
     shared::Object& data = result.data;
     data = {};
-    data.worldFromObject = object.worldFromObject;
-    data.worldFromObjectNormal = glm::transpose(glm::inverse(glm::mat3(object.worldFromObject)));
     data.vertices = meshes_[size_t(object.mesh)].vertices.address();
     data.indices = meshes_[size_t(object.mesh)].indices.address();
     data.litSize = tsl::lumelGrid(int(gpuMaterial.size.x), int(gpuMaterial.size.y));
     data.materialLevelOffset = std::log2(float(gpuMaterial.size.x) / float(data.litSize.x));
-    data.texelsCoincide = gpuMaterial.size * (data.litSize / gpuMaterial.size) == data.litSize &&
-                          data.litSize.x / gpuMaterial.size.x == data.litSize.y / gpuMaterial.size.y;
     data.flags = material.doubleSided ? shared::kObjectDoubleSided : 0u;
     data.alphaCutoff = material.alphaCutoff;
     if (material.alphaMode == scene::AlphaMode::mask)
@@ -174,15 +206,34 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
             data.texelOffsets[i] = result.texelMap->map.offsets[i];
     }
     objects_.push_back(result);
+    moveObject(objects_.size() - 1, object.worldFromObject, 0);
 }
 
-void GpuScene::writeObjects(const tsl::Room& room)
+void GpuScene::writeObjects()
 {
     auto* table = objectTable_.mapped<shared::Object>();
-    for (size_t i = 0; i < objects_.size(); ++i) {
+    for (size_t i = 0; i < objects_.size(); ++i)
         table[i] = objects_[i].data;
-        if (i < room.objects.size())
-            table[i].litLevel = room.objects[i].litLevel;
+}
+
+void GpuScene::writeObjects(const tsl::Rooms& rooms, const LitPool& pool, const std::vector<ObjectJobs>& jobs)
+{
+    writeObjects();
+    auto* table = objectTable_.mapped<shared::Object>();
+    for (size_t i = 0; i < objects_.size(); ++i) {
+        const tsl::ObjectRoom& room = rooms.objects()[i];
+        if (!room.texture)
+            continue;
+        const LitBlock& block = pool.block(room.texture);
+        shared::Object& object = table[i];
+        object.mips = block.layout.mips;
+        object.layer = room.texture.layer;
+        object.litLevel = room.litLevel;
+        object.finest = room.finest;
+        object.lightJob = jobs[i].light;
+        object.lowerJob = jobs[i].lower;
+        std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), object.tileOffsets);
+        object.tiles = block.states.address() + block.stateOffset(room.texture.layer);
     }
 }
 

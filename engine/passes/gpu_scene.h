@@ -11,10 +11,11 @@
 
 namespace lumel {
 
-// A texel map on the GPU and the tiles to light at each level.
+class LitPool;
+
+// A texel map on the GPU.
 struct GpuTexelMap {
     tsl::TexelMap map; // texels are dropped after upload
-    std::vector<std::vector<glm::uvec2>> tiles;
     gpu::Buffer buffer;
 };
 
@@ -34,6 +35,11 @@ struct GpuObject {
     bool mirrored = false; // the transform flips triangle winding
 };
 
+// The jobs that an object's tiles belong to.
+struct ObjectJobs {
+    uint32_t light = 0, lower = 0;
+};
+
 class GpuScene {
 public:
     GpuScene(const gpu::Device& device, const scene::Scene& scene,
@@ -41,14 +47,22 @@ public:
 
     const std::vector<GpuObject>& objects() const { return objects_; }
     const gpu::SetLayout& materialLayout() const { return materialLayout_; }
-    vk::DeviceAddress lights() const { return lights_.address(); }
+    // The view and the lights: set 0 of every pipeline. Frames are waited for, so one set serves all.
+    const gpu::SetLayout& frameLayout() const { return frameLayout_; }
+    vk::DescriptorSet frameSet() const { return *frameSet_; }
+    void writeView(const shared::View& view) { *view_.mapped<shared::View>() = view; }
+    // Lights as of `frame`: what a light that changed reaches is lit again. Throws Error beyond kMaxLights.
+    void setLights(const std::vector<scene::Light>& lights, uint32_t frame);
+    void moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame);
+    uint32_t changed() const { return changed_; } // frame of the last change to lights or objects
     uint32_t lightCount() const { return lightCount_; }
     glm::vec3 skyRadiance() const { return sky_; }
     glm::vec3 groundRadiance() const { return ground_; }
 
-    // This frame's objects with the lit textures of `room` (none when empty). Frames are waited for, so one
+    // This frame's objects without lit textures, or with those of `rooms`. Frames are waited for, so one
     // table serves all.
-    void writeObjects(const tsl::Room& room);
+    void writeObjects();
+    void writeObjects(const tsl::Rooms& rooms, const LitPool& pool, const std::vector<ObjectJobs>& jobs);
     vk::DeviceAddress objectTable() const { return objectTable_.address(); }
 
     // Per object: does its box meet the view volume?
@@ -63,18 +77,21 @@ private:
     };
     void uploadMaterial(const gpu::Device& device, const scene::BakedMaterial& baked,
                         const std::string& name);
-    void uploadLights(const gpu::Device& device, const scene::Scene& scene);
+    void makeFrameSet(const gpu::Device& device);
+    void lightScene(const scene::Scene& scene);
     void addObject(const gpu::Device& device, const scene::Scene& scene, const scene::Object& object);
     const GpuTexelMap* texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
                                    glm::uvec2 grid);
 
-    gpu::SetLayout materialLayout_;
+    gpu::SetLayout frameLayout_, materialLayout_;
+    vk::raii::DescriptorSet frameSet_ = nullptr;
     vk::raii::Sampler sampler_;
     std::vector<GpuMesh> meshes_;
     std::vector<GpuMaterial> materials_;
     std::map<std::tuple<int, uint32_t, uint32_t>, std::unique_ptr<GpuTexelMap>> texelMaps_;
     std::vector<GpuObject> objects_;
-    gpu::Buffer lights_, objectTable_;
+    gpu::Buffer view_, lights_, objectTable_;
+    uint32_t changed_ = 0;
     uint32_t lightCount_ = 0;
     glm::vec3 sky_{0.0f}, ground_{0.0f};
 };

@@ -1,62 +1,114 @@
 #include "lit_pool.h"
-#include <bit>
 
 namespace lumel {
 
 LitPool::LitPool(const gpu::Device& device, size_t capBytes)
     : device_(device), pool_(capBytes),
-      lightLayout_(gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage})),
-      lowerLayout_(
-          gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
-      drawLayout_(gpu::makeSetLayout(device, {vk::DescriptorType::eCombinedImageSampler})),
-      sampler_(device.handle(),
-               {.magFilter = vk::Filter::eLinear,
-                .minFilter = vk::Filter::eLinear,
-                .mipmapMode = vk::SamplerMipmapMode::eNearest, // levels are blended in the shader
-                .addressModeU = vk::SamplerAddressMode::eClampToEdge,
-                .addressModeV = vk::SamplerAddressMode::eClampToEdge,
-                .maxLod = VK_LOD_CLAMP_NONE})
+      layout_(gpu::makeSetLayout(
+          device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eCombinedImageSampler})),
+      sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
+                                 .minFilter = vk::Filter::eLinear,
+                                 .addressModeU = vk::SamplerAddressMode::eClampToEdge,
+                                 .addressModeV = vk::SamplerAddressMode::eClampToEdge})
 {
 }
 
-LitTexture LitPool::make(glm::uvec2 size) const
+LitBlock LitPool::make(glm::uvec2 size) const
 {
-    LitTexture texture;
-    const auto mips = uint32_t(std::bit_width(std::max(size.x, size.y)));
-    texture.image = gpu::Image(device_,
-                               {.width = size.x,
-                                .height = size.y,
-                                .mips = mips,
-                                .usage = vk::ImageUsageFlagBits::eStorage | vk::ImageUsageFlagBits::eSampled,
-                                .arrayView = true},
-                               "lit texture");
-    texture.lightSet = gpu::makeSet(device_, lightLayout_);
-    gpu::writeStorage(device_, *texture.lightSet, 0, texture.image.mipView(0));
-    for (uint32_t mip = 0; mip + 1 < mips; ++mip) {
-        texture.lowerSets.push_back(gpu::makeSet(device_, lowerLayout_));
-        gpu::writeStorage(device_, *texture.lowerSets.back(), 0, texture.image.mipView(mip));
-        gpu::writeStorage(device_, *texture.lowerSets.back(), 1, texture.image.mipView(mip + 1));
-    }
-    texture.drawSet = gpu::makeSet(device_, drawLayout_);
-    gpu::writeSampled(device_, *texture.drawSet, 0, *sampler_, texture.image.view());
-    return texture;
+    LitBlock block;
+    block.layout = tsl::TextureLayout(size);
+    using Usage = vk::ImageUsageFlagBits;
+    block.image =
+        gpu::Image(device_,
+                   {.width = block.layout.extent.x,
+                    .height = block.layout.extent.y,
+                    .layers = block.layout.layers,
+                    .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc | Usage::eTransferDst,
+                    .arrayView = true},
+                   "lit block");
+    block.states = gpu::Buffer(device_, block.stateOffset(block.layout.layers), gpu::Buffer::Home::device,
+                               "tile states");
+    block.set = gpu::makeSet(device_, layout_);
+    gpu::writeStorage(device_, *block.set, 0, block.image.view());
+    gpu::writeSampled(device_, *block.set, 1, *sampler_, block.image.view(), vk::ImageLayout::eGeneral);
+    return block;
 }
 
 void LitPool::update()
 {
-    const auto& slots = pool_.textures();
-    textures_.resize(slots.size());
+    const auto& wanted = pool_.blocks();
+    blocks_.resize(wanted.size());
+    prepared_.resize(wanted.size());
     // Free first, so that memory never passes the cap.
-    const auto fits = [&](size_t i) {
-        return slots[i].alive && textures_[i].image && textures_[i].image.info().width == slots[i].size.x &&
-               textures_[i].image.info().height == slots[i].size.y;
-    };
-    for (size_t i = 0; i < slots.size(); ++i)
-        if (textures_[i].image && !fits(i))
-            textures_[i] = {};
-    for (size_t i = 0; i < slots.size(); ++i)
-        if (slots[i].alive && !fits(i))
-            textures_[i] = make(slots[i].size);
+    const auto fits = [&](size_t i) { return blocks_[i].layout.size == wanted[i].size; };
+    for (size_t i = 0; i < wanted.size(); ++i)
+        if (blocks_[i] && !fits(i)) {
+            blocks_[i] = {};
+            prepared_[i] = 0;
+        }
+    for (size_t i = 0; i < wanted.size(); ++i)
+        if (!wanted[i].textures.empty() && !blocks_[i])
+            blocks_[i] = make(wanted[i].size);
+}
+
+void LitPool::recordTakeover(vk::CommandBuffer commands, const tsl::ObjectRoom& room) const
+{
+    const LitBlock& to = block(room.texture);
+    const LitBlock& from = block(room.previous);
+    const auto fromLevel = int(pool_.texture(room.previous).litLevel);
+    for (uint32_t mip = 0; mip < to.layout.mips; ++mip) {
+        const int source = int(room.litLevel + mip) - fromLevel;
+        if (source < 0 || source >= int(from.layout.mips))
+            continue;
+        const glm::uvec2 size = glm::max(to.layout.size >> mip, glm::uvec2(1));
+        const auto corner = [](glm::uvec2 p) { return vk::Offset3D{int(p.x), int(p.y), 0}; };
+        commands.copyImage(
+            from.image.handle(), vk::ImageLayout::eGeneral, to.image.handle(), vk::ImageLayout::eGeneral,
+            vk::ImageCopy{.srcSubresource = {vk::ImageAspectFlagBits::eColor, 0, room.previous.layer, 1},
+                          .srcOffset = corner(shared::mipOrigin(from.layout.size, uint32_t(source))),
+                          .dstSubresource = {vk::ImageAspectFlagBits::eColor, 0, room.texture.layer, 1},
+                          .dstOffset = corner(shared::mipOrigin(to.layout.size, mip)),
+                          .extent = {size.x, size.y, 1}});
+        const auto place = [](const LitBlock& b, uint32_t layer, uint32_t m) {
+            return b.stateOffset(layer) + b.layout.tileOffsets[m] * sizeof(shared::TileState);
+        };
+        const uint32_t last = mip + 1 < to.layout.mips ? to.layout.tileOffsets[mip + 1] : to.layout.tiles;
+        commands.copyBuffer(from.states.handle(), to.states.handle(),
+                            vk::BufferCopy{place(from, room.previous.layer, uint32_t(source)),
+                                           place(to, room.texture.layer, mip),
+                                           (last - to.layout.tileOffsets[mip]) * sizeof(shared::TileState)});
+    }
+}
+
+void LitPool::recordHandovers(Frame& frame)
+{
+    const vk::CommandBuffer commands = frame.commands;
+    for (size_t i = 0; i < blocks_.size(); ++i) {
+        const gpu::Image& image = blocks_[i].image;
+        if (!image || prepared_[i])
+            continue;
+        // Cleared once: memory of unknown content could be not-a-number, which no filter weight of 0 removes.
+        gpu::imageBarrier(commands, image.handle(), image.aspect(), gpu::Use::undefined, gpu::Use::general);
+        commands.clearColorImage(
+            image.handle(), vk::ImageLayout::eGeneral, vk::ClearColorValue{},
+            vk::ImageSubresourceRange{image.aspect(), 0, 1, 0, VK_REMAINING_ARRAY_LAYERS});
+        prepared_[i] = 1;
+    }
+    bool any = false;
+    for (const tsl::ObjectRoom& room : frame.rooms.objects())
+        if (room.fresh) {
+            const LitBlock& b = block(room.texture);
+            commands.fillBuffer(b.states.handle(), b.stateOffset(room.texture.layer),
+                                b.layout.tiles * sizeof(shared::TileState), 0);
+            any = true;
+        }
+    if (!any)
+        return;
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::transferWrite);
+    for (const tsl::ObjectRoom& room : frame.rooms.objects())
+        if (room.fresh && room.previous)
+            recordTakeover(commands, room);
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::general);
 }
 
 } // namespace lumel

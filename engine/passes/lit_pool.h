@@ -1,15 +1,21 @@
-// The images behind tsl::TexturePool, with the descriptor sets that light, filter and draw them.
+// The images behind tsl::TexturePool: a block is an array image, with its tiles' states and one descriptor
+// set that lights, lowers and draws it.
 #pragma once
 #include "frame_context.h"
 
 namespace lumel {
 
-struct LitTexture {
+struct LitBlock {
+    tsl::TextureLayout layout{glm::uvec2(1)};
     gpu::Image image;
-    vk::raii::DescriptorSet lightSet = nullptr;     // MIP 0 as storage image
-    std::vector<vk::raii::DescriptorSet> lowerSets; // [i]: MIP i read, MIP i + 1 written
-    vk::raii::DescriptorSet drawSet = nullptr;      // all MIPs sampled
-    bool written = false;                           // has left the undefined layout
+    gpu::Buffer states; // TileState, layer after layer
+    vk::raii::DescriptorSet set = nullptr;
+
+    explicit operator bool() const { return bool(image); }
+    size_t stateOffset(uint32_t layer) const
+    {
+        return size_t(layer) * layout.tiles * sizeof(shared::TileState);
+    }
 };
 
 class LitPool {
@@ -17,21 +23,26 @@ public:
     LitPool(const gpu::Device& device, size_t capBytes);
 
     tsl::TexturePool& bookkeeping() { return pool_; }
-    // Makes and frees images so that they match the bookkeeping. Call when no frame is in flight.
+    const tsl::TexturePool& bookkeeping() const { return pool_; }
+    // Makes and frees blocks so that they match the bookkeeping. Call when no frame is in flight.
     void update();
-    LitTexture& texture(int index) { return textures_[size_t(index)]; }
+    // Empties textures that changed hands, taking over lumels of levels that the owner had lit before.
+    void recordHandovers(Frame& frame);
 
-    const gpu::SetLayout& lightLayout() const { return lightLayout_; }
-    const gpu::SetLayout& lowerLayout() const { return lowerLayout_; }
-    const gpu::SetLayout& drawLayout() const { return drawLayout_; }
+    const std::vector<LitBlock>& blocks() const { return blocks_; }
+    const LitBlock& block(tsl::TextureId id) const { return blocks_[size_t(id.block)]; }
+    // Binding 0: storage image, 1: sampled.
+    const gpu::SetLayout& layout() const { return layout_; }
 
 private:
-    LitTexture make(glm::uvec2 size) const;
+    LitBlock make(glm::uvec2 size) const;
+    void recordTakeover(vk::CommandBuffer commands, const tsl::ObjectRoom& room) const;
     const gpu::Device& device_;
     tsl::TexturePool pool_;
-    gpu::SetLayout lightLayout_, lowerLayout_, drawLayout_;
+    gpu::SetLayout layout_;
     vk::raii::Sampler sampler_;
-    std::vector<LitTexture> textures_; // parallel to the bookkeeping's slots
+    std::vector<LitBlock> blocks_;  // parallel to the bookkeeping's
+    std::vector<uint8_t> prepared_; // block has left the undefined layout
 };
 
 } // namespace lumel

@@ -6,8 +6,7 @@ namespace {
 gpu::Image makeTarget(const gpu::Device& device, glm::uvec2 size, vk::Format format,
                       vk::ImageUsageFlags usage)
 {
-    const glm::uvec2 quarter = (size + NeedPass::kDivisor - 1u) / NeedPass::kDivisor;
-    return {device, {.format = format, .width = quarter.x, .height = quarter.y, .usage = usage}, "need"};
+    return {device, {.format = format, .width = size.x, .height = size.y, .usage = usage}, "need"};
 }
 
 // Offset of sample centres in full-size pixels from the quarter pixel's centre: the 16 pixels of a 4 x 4
@@ -21,8 +20,8 @@ glm::vec2 jitterInPixels(uint64_t frame)
 
 } // namespace
 
-NeedPass::NeedPass(const gpu::Device& device, glm::uvec2 size, size_t objectCount)
-    : seen_(makeTarget(device, size, vk::Format::eR32G32Uint,
+NeedPass::NeedPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& scene)
+    : seen_(makeTarget(device, size, vk::Format::eR32G32B32A32Uint,
                        vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eStorage)),
       depth_(
           makeTarget(device, size, vk::Format::eD32Sfloat, vk::ImageUsageFlagBits::eDepthStencilAttachment)),
@@ -30,23 +29,27 @@ NeedPass::NeedPass(const gpu::Device& device, glm::uvec2 size, size_t objectCoun
       set_(gpu::makeSet(device, layout_)),
       raster_(gpu::makeGraphicsPipeline(device, {.vertex = "need.vert",
                                                  .fragment = "need.frag",
+                                                 .sets = {*scene.frameLayout()},
                                                  .pushBytes = sizeof(shared::NeedPush),
-                                                 .color = vk::Format::eR32G32Uint})),
-      mark_(gpu::makeComputePipeline(device, "need.comp", {*layout_}, sizeof(shared::NeedPush))),
-      needs_(device, objectCount * sizeof(shared::Need), gpu::Buffer::Home::host, "needs")
+                                                 .color = vk::Format::eR32G32B32A32Uint})),
+      mark_(gpu::makeComputePipeline(device, "need.comp", {*scene.frameLayout(), *layout_},
+                                     sizeof(shared::NeedPush))),
+      needs_(device, scene.objects().size() * sizeof(shared::Need), gpu::Buffer::Home::host, "needs")
 {
     gpu::writeStorage(device, *set_, 0, seen_.view());
 }
 
-void NeedPass::record(Frame& frame)
+void NeedPass::record(Frame& frame, bool everyPixel)
 {
+    divisor_ = everyPixel ? 1 : kDivisor;
+    samples_ = (frame.settings.size + divisor_ - 1u) / divisor_;
     const PassScope scope(frame, "need");
     const size_t count = frame.scene.objects().size();
     auto* needs = needs_.mapped<shared::Need>();
-    std::fill(needs, needs + count, shared::Need{shared::kNotSeen, 0});
+    std::fill(needs, needs + count, shared::Need{shared::kNotSeen, 0, 0});
 
     const vk::CommandBuffer commands = frame.commands;
-    const vk::Extent2D extent = seen_.extent();
+    const vk::Extent2D extent{samples_.x, samples_.y}; // a part of the images
     gpu::imageBarrier(commands, seen_.handle(), seen_.aspect(), gpu::Use::undefined, gpu::Use::colorWrite);
     gpu::imageBarrier(commands, depth_.handle(), depth_.aspect(), gpu::Use::undefined, gpu::Use::depthWrite);
     const vk::RenderingAttachmentInfo color{.imageView = seen_.view(),
@@ -64,16 +67,16 @@ void NeedPass::record(Frame& frame)
                              .pColorAttachments = &color,
                              .pDepthAttachment = &depth});
     setViewport(commands, extent);
-    commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *raster_.handle);
+    bindSets(frame, vk::PipelineBindPoint::eGraphics, raster_);
     // Quarter pixels cover whole blocks of 4 x 4, also where the picture's size is not a multiple of 4: the
     // viewport reaches past its edge by the same share, which is at most three pixels.
-    const glm::vec2 jitter = 2.0f * jitterInPixels(frame.index) / glm::vec2(frame.settings.size);
-    shared::NeedPush push{.view = frame.view,
-                          .needs = needs_.address(),
+    const glm::vec2 pixels = everyPixel ? glm::vec2(0.0f) : jitterInPixels(frame.index);
+    const glm::vec2 jitter = 2.0f * pixels / glm::vec2(frame.settings.size);
+    shared::NeedPush push{.needs = needs_.address(),
                           .jitter = jitter,
-                          .divisor = float(kDivisor),
+                          .divisor = float(divisor_),
                           .object = 0,
-                          .size = {extent.width, extent.height}};
+                          .size = samples_};
     for (size_t i = 0; i < count; ++i) {
         if (!frame.inView[i] || frame.scene.objects()[i].blend)
             continue;
@@ -84,8 +87,7 @@ void NeedPass::record(Frame& frame)
     commands.endRendering();
 
     gpu::imageBarrier(commands, seen_.handle(), seen_.aspect(), gpu::Use::colorWrite, gpu::Use::computeRead);
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *mark_.handle);
-    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *mark_.layout, 0, *set_, nullptr);
+    bindSets(frame, vk::PipelineBindPoint::eCompute, mark_, {*set_});
     pushConstants(commands, mark_, push);
     commands.dispatch(groupsOf64(extent.width * extent.height), 1, 1);
     gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::hostRead);
@@ -97,10 +99,12 @@ void NeedPass::read(Frame& frame) const
     const auto& objects = frame.scene.objects();
     frame.needs.resize(objects.size());
     for (size_t i = 0; i < objects.size(); ++i)
-        frame.needs[i] = {.visible = needs[i].level != shared::kNotSeen,
+        frame.needs[i] = {.inView = frame.inView[i] != 0,
+                          .visible = needs[i].level != shared::kNotSeen,
                           .lightable = objects[i].texelMap != nullptr,
-                          .level = float(needs[i].level) / float(shared::kNeedScale),
+                          .level = float(needs[i].level) / float(shared::kNeedScale) + shared::kNeedFinest,
                           .samples = needs[i].samples,
+                          .lumels = float(needs[i].lumels) / float(shared::kNeedScale),
                           .litSize = objects[i].data.litSize};
 }
 

@@ -8,12 +8,23 @@ namespace lumel {
 class NeedPass {
 public:
     static constexpr uint32_t kDivisor = 4;
-    NeedPass(const gpu::Device& device, glm::uvec2 size, size_t objectCount);
-    void record(Frame& frame);
+    // Frames after which the sub-pixel offsets have met every pixel.
+    static constexpr uint32_t kCycle = kDivisor * kDivisor;
+    NeedPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& scene);
+    // everyPixel: full resolution, for the first frame of a view that nothing is known of.
+    void record(Frame& frame, bool everyPixel);
     // Fills frame.needs after the recorded commands have finished.
     void read(Frame& frame) const;
 
+    // The samples: set 0, binding 0 of `layout`.
+    const gpu::SetLayout& layout() const { return layout_; }
+    vk::DescriptorSet set() const { return *set_; }
+    glm::uvec2 samples() const { return samples_; }
+    uint32_t divisor() const { return divisor_; } // full-size pixels a sample, per axis
+
 private:
+    glm::uvec2 samples_{0};
+    uint32_t divisor_ = kDivisor;
     gpu::Image seen_, depth_;
     gpu::SetLayout layout_;
     vk::raii::DescriptorSet set_;

@@ -1,4 +1,5 @@
-// Room: which lit texture each visible object draws this frame, at which level.
+// Room: which lit texture each visible object draws this frame, at which level, and which objects are so
+// small that shading them forward is as good.
 #pragma once
 #include "texture_pool.h"
 #include <span>
@@ -7,29 +8,57 @@ namespace lumel::tsl {
 
 // What the need pass found of one object, and its lumel grid.
 struct ObjectNeed {
-    bool visible = false;
+    bool inView = false;   // its bounds meet the view volume
+    bool visible = false;  // a sample saw it
     bool lightable = true; // unique UVs, opaque
     float level = 0.0f;    // finest level that any sample needs
     uint32_t samples = 0;  // of the need pass that saw it
+    float lumels = 0.0f;   // of as many pixels as samples, at one lumel a pixel across the footprint
     glm::uvec2 litSize{0}; // lumels of level 0
 };
 
 struct ObjectRoom {
-    int texture = -1;      // pool texture, -1 = drawn forward
+    TextureId texture;     // none: drawn forward
     uint32_t litLevel = 0; // the level lit into its MIP 0
-};
-
-struct Room {
-    std::vector<ObjectRoom> objects;
-    uint32_t levelBias = 0; // levels that everything gave up because the cap binds
+    bool fresh = false;    // new to the object in this frame: holds nothing of it
+    TextureId previous;    // fresh: whose lumels of equal levels can be taken over, none if there is none
+    float finest = 0.0f;   // least MIP drawn: a texture that became finer fades in
+    float share = 0.0f;    // of the lit texture in the picture; the rest is shaded forward
 };
 
 // The level whose lumels are lit for an object that needs `level`: the finer of the two that drawing blends,
-// coarser by `bias`, never past the 1 x 1 level.
-uint32_t litLevelFor(float level, uint32_t bias, glm::uvec2 litSize);
+// never past a single tile.
+uint32_t litLevelFor(float level, glm::uvec2 litSize);
 
-// Finds room for all. When the cap binds, all objects move one level coarser together and it tries again;
-// an object that finds no room even so is drawn forward.
-Room assignRoom(TexturePool& pool, std::span<const ObjectNeed> needs, uint64_t frame);
+// Levels coarser than one lumel a pixel across, at least `least`, at which the lumels that a view needs stay
+// within `lumelsPerPixel`: long footprints need many. `before`: the offset of the frame before, which a
+// change follows slowly; nothing in the first frame.
+float levelOffsetFor(std::span<const ObjectNeed> needs, float least, float lumelsPerPixel,
+                     std::optional<float> before);
+
+// An object leaves texture space when its lit texture has become smaller than kLeave lumels across, and
+// returns when it would exceed kReturn.
+inline constexpr float kLeave = 6.0f, kReturn = 9.0f;
+// A texture that is one level finer than needed is kept until the need is this much coarser still.
+inline constexpr float kLevelHysteresis = 0.25f;
+
+class Rooms {
+public:
+    // Finds room for all. When the cap binds, all objects move coarser together, by eighths of a level; one
+    // that finds no room even so takes a coarser texture, and is drawn forward if there is none.
+    void assign(TexturePool& pool, std::span<const ObjectNeed> needs, uint64_t frame);
+
+    const std::vector<ObjectRoom>& objects() const { return objects_; }
+    float levelBias() const { return levelBias_; } // levels that everything gave up because the cap binds
+    bool steady() const { return steady_; }        // nothing fades
+
+private:
+    void assignObject(TexturePool& pool, const ObjectNeed& need, size_t object, uint64_t frame);
+    void take(TexturePool& pool, const ObjectNeed& need, size_t object, uint64_t frame);
+    std::vector<ObjectRoom> objects_;
+    std::vector<uint8_t> known_; // seen before: changes fade
+    float levelBias_ = 0.0f;
+    bool steady_ = false;
+};
 
 } // namespace lumel::tsl

@@ -146,23 +146,6 @@ TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size)
     return map;
 }
 
-std::vector<glm::uvec2> occupiedTiles(const TexelMap& map, uint32_t level)
-{
-    const glm::uvec2 size = map.levelSize(level);
-    const glm::uvec2 tiles = (size + shared::kTileSize - 1u) / shared::kTileSize;
-    std::vector<uint8_t> occupied(size_t(tiles.x) * tiles.y, 0);
-    for (uint32_t y = 0; y < size.y; ++y)
-        for (uint32_t x = 0; x < size.x; ++x)
-            if (map.at(level, x, y))
-                occupied[size_t(y / shared::kTileSize) * tiles.x + x / shared::kTileSize] = 1;
-    std::vector<glm::uvec2> list;
-    for (uint32_t y = 0; y < tiles.y; ++y)
-        for (uint32_t x = 0; x < tiles.x; ++x)
-            if (occupied[size_t(y) * tiles.x + x])
-                list.emplace_back(x, y);
-    return list;
-}
-
 glm::uvec2 lumelGrid(int materialWidth, int materialHeight)
 {
     const auto grid = [](int texels) {

@@ -29,9 +29,6 @@ struct TexelMap {
 // 8192. A mesh of more than 2^24 - 1 triangles cannot be indexed: throws Error naming it.
 TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size);
 
-// The 8x8 tiles of a level that hold at least one lumel with a triangle, row by row: (x, y) in tiles.
-std::vector<glm::uvec2> occupiedTiles(const TexelMap& map, uint32_t level);
-
 // Level-0 lumel grid of an object whose material is width x height texels: twice the next power of two,
 // because light reflected by interpolated normals varies faster than the normals do (measured on the record's
 // grooves, near: 34.5 dB against the reference, 24.5 dB with lumels as large as texels). Only views that need

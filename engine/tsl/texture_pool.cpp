@@ -1,95 +1,135 @@
 #include "texture_pool.h"
 #include <algorithm>
+#include <bit>
 
 namespace lumel::tsl {
 
-size_t poolTextureBytes(glm::uvec2 size)
+// A block holds about this much, so that small textures share one.
+constexpr size_t kBlockBytes = size_t(1) << 20;
+constexpr uint32_t kMaxLayers = 64;
+
+TextureLayout::TextureLayout(glm::uvec2 textureSize) : size(textureSize), extent(textureSize)
 {
-    size_t texels = 0;
-    for (;;) {
-        texels += size_t(size.x) * size.y;
-        if (size.x == 1 && size.y == 1)
-            return texels * 8; // four half floats
-        size = glm::max(size / 2u, glm::uvec2(1));
+    mips = uint32_t(std::bit_width(std::max(size.x, size.y)));
+    tiles = 0;
+    for (uint32_t mip = 0; mip < mips; ++mip) {
+        const glm::uvec2 lumels = glm::max(size >> mip, glm::uvec2(1));
+        const glm::uvec2 count = (lumels + shared::kTileSize - 1u) / shared::kTileSize;
+        tileOffsets[mip] = tiles;
+        tiles += count.x * count.y;
+        const glm::uvec2 origin = shared::mipOrigin(size, mip);
+        extent = glm::max(extent, origin + lumels);
     }
+    layers = uint32_t(std::clamp<size_t>(kBlockBytes / layerBytes(), 1, kMaxLayers));
 }
 
-std::optional<int> TexturePool::findOwn(int object, glm::uvec2 size) const
+size_t TextureLayout::layerBytes() const
 {
-    for (size_t i = 0; i < textures_.size(); ++i)
-        if (textures_[i].alive && textures_[i].owner == object && textures_[i].size == size)
-            return int(i);
-    return std::nullopt;
+    return size_t(extent.x) * extent.y * 8 + tiles * sizeof(shared::TileState);
 }
 
-std::optional<int> TexturePool::findRecyclable(glm::uvec2 size, uint64_t frame) const
+TextureId TexturePool::latestOf(int object) const
 {
-    std::optional<int> best;
-    for (size_t i = 0; i < textures_.size(); ++i) {
-        const PoolTexture& t = textures_[i];
-        if (!t.alive || t.size != size || (t.owner >= 0 && t.lastUsed == frame))
+    TextureId latest;
+    const auto [first, last] = owned_.equal_range(object);
+    for (auto i = first; i != last; ++i)
+        if (!latest || texture(i->second).lastUsed > texture(latest).lastUsed)
+            latest = i->second;
+    return latest;
+}
+
+TextureId TexturePool::findRecyclable(glm::uvec2 size, uint64_t frame, bool freeOnly) const
+{
+    TextureId best;
+    for (size_t b = 0; b < blocks_.size(); ++b) {
+        if (blocks_[b].size != size)
             continue;
-        if (t.owner < 0)
-            return int(i);
-        if (!best || t.lastUsed < textures_[size_t(*best)].lastUsed)
-            best = int(i);
+        for (uint32_t layer = 0; layer < blocks_[b].textures.size(); ++layer) {
+            const PoolTexture& t = blocks_[b].textures[layer];
+            if (t.owner < 0)
+                return {int(b), layer};
+            if (!freeOnly && t.lastUsed != frame && (!best || t.lastUsed < texture(best).lastUsed))
+                best = {int(b), layer};
+        }
     }
     return best;
 }
 
-// Gives up least recently used textures of any class until `bytes` fit below the cap.
+// Gives up blocks that this frame does not use, least recently used first, until `bytes` fit below the cap.
 bool TexturePool::makeRoom(size_t bytes, uint64_t frame)
 {
     while (usedBytes_ + bytes > capBytes_) {
-        PoolTexture* oldest = nullptr;
-        for (PoolTexture& t : textures_)
-            if (t.alive && (t.owner < 0 || t.lastUsed < frame) && (!oldest || t.lastUsed < oldest->lastUsed))
-                oldest = &t;
-        if (!oldest)
+        int oldest = -1;
+        uint64_t oldestUse = frame;
+        for (size_t b = 0; b < blocks_.size(); ++b) {
+            if (blocks_[b].textures.empty())
+                continue;
+            uint64_t use = 0;
+            for (const PoolTexture& t : blocks_[b].textures)
+                use = std::max(use, t.owner < 0 ? 0 : t.lastUsed);
+            if (use < oldestUse) {
+                oldest = int(b);
+                oldestUse = use;
+            }
+        }
+        if (oldest < 0)
             return false;
-        usedBytes_ -= poolTextureBytes(oldest->size);
-        *oldest = {};
+        PoolBlock& block = blocks_[size_t(oldest)];
+        for (uint32_t layer = 0; layer < block.textures.size(); ++layer)
+            disown({oldest, layer});
+        usedBytes_ -= TextureLayout(block.size).blockBytes();
+        block = {};
     }
     return true;
 }
 
-int TexturePool::addTexture(glm::uvec2 size)
+void TexturePool::addBlock(glm::uvec2 size)
 {
-    usedBytes_ += poolTextureBytes(size);
-    const auto dead =
-        std::find_if(textures_.begin(), textures_.end(), [](const auto& t) { return !t.alive; });
-    const int index = int(dead - textures_.begin());
-    if (dead == textures_.end())
-        textures_.emplace_back();
-    textures_[size_t(index)] = {.size = size, .alive = true};
-    return index;
+    const TextureLayout layout(size);
+    usedBytes_ += layout.blockBytes();
+    auto slot =
+        std::find_if(blocks_.begin(), blocks_.end(), [](const auto& b) { return b.textures.empty(); });
+    if (slot == blocks_.end())
+        slot = blocks_.emplace(blocks_.end());
+    *slot = {.size = size, .textures = std::vector<PoolTexture>(layout.layers)};
 }
 
-int TexturePool::claim(int texture, int object, uint64_t frame)
+void TexturePool::disown(TextureId id)
 {
-    PoolTexture& t = textures_[size_t(texture)];
-    t.owner = object;
-    t.lastUsed = frame;
-    return texture;
+    const auto [first, last] = owned_.equal_range(at(id).owner);
+    const auto entry = std::find_if(first, last, [&](const auto& e) { return e.second == id; });
+    if (entry != last)
+        owned_.erase(entry);
+    at(id) = {};
 }
 
-std::optional<int> TexturePool::acquire(int object, glm::uvec2 size, uint64_t frame)
+TextureId TexturePool::claim(TextureId id, int object, uint32_t litLevel, uint64_t frame)
 {
-    if (const auto own = findOwn(object, size))
-        return claim(*own, object, frame);
+    disown(id);
+    at(id) = {.owner = object, .litLevel = litLevel, .lastUsed = frame};
+    owned_.emplace(object, id);
+    return id;
+}
+
+TextureId TexturePool::acquire(int object, uint32_t litLevel, glm::uvec2 size, uint64_t frame)
+{
+    const auto [first, last] = owned_.equal_range(object);
+    for (auto i = first; i != last; ++i)
+        if (texture(i->second).litLevel == litLevel && blocks_[size_t(i->second.block)].size == size) {
+            touch(i->second, frame);
+            return i->second;
+        }
+    if (const TextureId unused = findRecyclable(size, frame, true))
+        return claim(unused, object, litLevel, frame);
     // New memory before taking over: an object out of sight for a moment then keeps its lumels.
-    const size_t bytes = poolTextureBytes(size);
-    if (usedBytes_ + bytes <= capBytes_) {
-        for (size_t i = 0; i < textures_.size(); ++i)
-            if (textures_[i].alive && textures_[i].owner < 0 && textures_[i].size == size)
-                return claim(int(i), object, frame);
-        return claim(addTexture(size), object, frame);
-    }
-    if (const auto old = findRecyclable(size, frame))
-        return claim(*old, object, frame);
-    if (makeRoom(bytes, frame))
-        return claim(addTexture(size), object, frame);
-    return std::nullopt;
+    const size_t bytes = TextureLayout(size).blockBytes();
+    if (usedBytes_ + bytes > capBytes_)
+        if (const TextureId old = findRecyclable(size, frame, false))
+            return claim(old, object, litLevel, frame);
+    if (!makeRoom(bytes, frame))
+        return {};
+    addBlock(size);
+    return claim(findRecyclable(size, frame, true), object, litLevel, frame);
 }
 
 } // namespace lumel::tsl

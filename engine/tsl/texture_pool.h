@@ -1,48 +1,81 @@
 // Recycled lit textures: who draws which texture. CPU bookkeeping only; passes/lit_pool.h owns the images.
-// Objects own nothing. A texture belongs to a size class (powers of two); within a class the least recently
-// used one is taken over first, and the sum of all bytes never passes the cap.
+// Objects own nothing. Textures of one size class (powers of two) are layers of blocks, so that one dispatch
+// serves many objects; within a class the least recently used one is taken over first, and the bytes of all
+// blocks never pass the cap.
 #pragma once
+#include "shared/structs.h"
+#include <array>
 #include <cstdint>
-#include <glm/glm.hpp>
+#include <map>
 #include <optional>
 #include <vector>
 
 namespace lumel::tsl {
 
+// How a lit texture of a size lies in its layer, and what it costs.
+struct TextureLayout {
+    explicit TextureLayout(glm::uvec2 size); // powers of two
+    glm::uvec2 size;
+    uint32_t mips;
+    glm::uvec2 extent; // lumels of a layer: MIP 0 and the others beside it
+    std::array<uint32_t, shared::kMaxLevels> tileOffsets{}; // first tile of each MIP
+    uint32_t tiles;                                         // of all MIPs
+    uint32_t layers;                                        // textures a block holds
+    size_t layerBytes() const;                              // RGBA16F and the tiles' states
+    size_t blockBytes() const { return layerBytes() * layers; }
+};
+
+struct TextureId {
+    int block = -1;
+    uint32_t layer = 0;
+    explicit operator bool() const { return block >= 0; }
+    bool operator==(const TextureId&) const = default;
+};
+
 struct PoolTexture {
-    glm::uvec2 size{0};
     int owner = -1;        // object, -1 = free
     uint32_t litLevel = 0; // the owner's level of MIP 0
     uint64_t lastUsed = 0; // frame
-    bool alive = false;    // has memory
 };
 
-// Bytes of an RGBA16F texture with its full MIP chain.
-size_t poolTextureBytes(glm::uvec2 size);
+struct PoolBlock {
+    glm::uvec2 size{0};                // zero: given up, the slot is free
+    std::vector<PoolTexture> textures; // a layer each
+};
 
 class TexturePool {
 public:
     explicit TexturePool(size_t capBytes) : capBytes_(capBytes) {}
 
-    // A texture of `size` for the object in this frame: its own when it has one of that size, else a free
-    // one, else a new one within the cap, else the least recently used of an earlier frame (of the same
-    // class, or of others, whose memory is then given up). nullopt when everything left is in use this frame.
-    std::optional<int> acquire(int object, glm::uvec2 size, uint64_t frame);
+    // A texture of `size` for the object's level in this frame: its own when it has one, else a free one,
+    // else one of a new block within the cap, else the least recently used of an earlier frame (of the same
+    // class, or of a block of others, whose memory is then given up). Nothing when all that is left is in
+    // use.
+    TextureId acquire(int object, uint32_t litLevel, glm::uvec2 size, uint64_t frame);
 
-    const std::vector<PoolTexture>& textures() const { return textures_; }
+    const std::vector<PoolBlock>& blocks() const { return blocks_; }
+    const PoolTexture& texture(TextureId id) const { return blocks_[size_t(id.block)].textures[id.layer]; }
+    // The object's most recently used texture.
+    TextureId latestOf(int object) const;
+    // Uses a texture in a frame that did not need it anew.
+    void touch(TextureId id, uint64_t frame) { at(id).lastUsed = frame; }
+
     size_t usedBytes() const { return usedBytes_; }
     size_t capBytes() const { return capBytes_; }
+    size_t textureCount() const { return owned_.size(); } // with an owner
 
 private:
-    int claim(int texture, int object, uint64_t frame);
-    std::optional<int> findOwn(int object, glm::uvec2 size) const;
-    std::optional<int> findRecyclable(glm::uvec2 size, uint64_t frame) const;
+    PoolTexture& at(TextureId id) { return blocks_[size_t(id.block)].textures[id.layer]; }
+    TextureId claim(TextureId id, int object, uint32_t litLevel, uint64_t frame);
+    TextureId findRecyclable(glm::uvec2 size, uint64_t frame, bool freeOnly) const;
     bool makeRoom(size_t bytes, uint64_t frame);
-    int addTexture(glm::uvec2 size);
+    void addBlock(glm::uvec2 size);
+    void disown(TextureId id);
 
     size_t capBytes_;
     size_t usedBytes_ = 0;
-    std::vector<PoolTexture> textures_; // slots; dead ones are reused
+    std::vector<PoolBlock> blocks_;
+    std::multimap<int, TextureId> owned_; // by object
 };
 
 } // namespace lumel::tsl

@@ -3,6 +3,8 @@
 #ifndef LUMEL_FOOTPRINT_GLSL
 #define LUMEL_FOOTPRINT_GLSL
 
+const int kMostTaps = 16;
+
 struct Footprint {
     float level; // MIP level whose texels match the footprint's width; 0 = one level-0 texel, may be negative
     int taps;    // samples along the long axis

@@ -3,8 +3,19 @@
 #define LUMEL_GEOMETRY_GLSL
 #include "lib/interface.glsl"
 
-Vertex pullVertex(Object object, uint corner)
+Vertex pullVertex(ObjectAt object, uint corner)
 {
-    return object.vertices.at[object.indices.at[corner]];
+    return object.at.vertices.at[object.at.indices.at[corner]];
+}
+
+// Barycentric coordinates of p in the triangle of texture coordinates a, b, c; extrapolates outside.
+vec3 barycentrics(vec2 a, vec2 b, vec2 c, vec2 p)
+{
+    vec2 ab = b - a, ac = c - a, ap = p - a;
+    float area = ab.x * ac.y - ab.y * ac.x;
+    float inverseArea = abs(area) > 1e-20 ? 1.0 / area : 0.0;
+    float v = (ap.x * ac.y - ap.y * ac.x) * inverseArea;
+    float w = (ab.x * ap.y - ab.y * ap.x) * inverseArea;
+    return vec3(1.0 - v - w, v, w);
 }
 #endif

@@ -2,15 +2,28 @@
 #ifndef LUMEL_INTERFACE_GLSL
 #define LUMEL_INTERFACE_GLSL
 #extension GL_EXT_scalar_block_layout : require
-#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
 #include "shared/structs.h"
 
-layout(buffer_reference, scalar) readonly buffer Vertices { Vertex at[]; };
-layout(buffer_reference, scalar) readonly buffer Indices { uint at[]; };
-layout(buffer_reference, scalar) readonly buffer Texels { uint at[]; };
-layout(buffer_reference, scalar) readonly buffer Lights { Light at[]; };
-layout(buffer_reference, scalar) readonly buffer Objects { Object at[]; };
-layout(buffer_reference, scalar) readonly buffer Views { View at; };
-layout(buffer_reference, scalar) readonly buffer Tiles { Tile at[]; };
-layout(buffer_reference, scalar) buffer Needs { Need at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vertices { Vertex at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Indices { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Texels { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Objects { Object at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ObjectAt { Object at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer JobTiles { JobTile at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileStates { TileState at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Needs { Need at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Plans { Plan at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Jobs { Job at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Marks { Mark at[]; };
+
+// Of the frame. Uniform buffers: loads that are the same for all invocations are cheap from there.
+layout(set = 0, binding = 0, scalar) uniform ViewBlock { View view; };
+layout(set = 0, binding = 1, scalar) uniform LightBlock { Light lights[kMaxLights]; };
+
+// By reference: a copy would carry its arrays along, which software Vulkan takes literally.
+ObjectAt objectAt(uint index)
+{
+    return ObjectAt(view.objects) + index;
+}
 #endif

@@ -5,11 +5,11 @@
 #include "lib/interface.glsl"
 #include "shared/shading.h"
 
-layout(set = 0, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
-layout(set = 0, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
-layout(set = 0, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
-layout(set = 0, binding = 3) uniform sampler2D mapGlow;     // emitted radiance, ambient occlusion
-layout(set = 0, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
+layout(set = 1, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
+layout(set = 1, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
+layout(set = 1, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
+layout(set = 1, binding = 3) uniform sampler2D mapGlow;     // emitted radiance, ambient occlusion
+layout(set = 1, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
 
 struct MaterialTexel {
     vec2 normal;
@@ -38,19 +38,20 @@ MaterialTexel sampleMaterial(vec2 uv, float level)
                           textureLod(mapDiffuse, uv, level), sampleBeside(mapGlow, uv, level));
 }
 
-// Where lumels and material texels coincide: no filtering.
-MaterialTexel fetchMaterial(ivec2 texel, int level, vec2 uv)
-{
-    return unpackMaterial(texelFetch(mapNormal, texel, level), texelFetch(mapSpecular, texel, level),
-                          texelFetch(mapDiffuse, texel, level), sampleBeside(mapGlow, uv, float(level)));
-}
+// A point of a surface as the lights see it.
+struct ShadingPoint {
+    SurfaceReflectance surface;
+    vec3 position;
+    vec3 toEye;
+    vec3 radiance; // emitted and ambient
+};
 
 // position, normal, tangent (w = handedness) in world space, not necessarily unit.
-vec3 shadeSurface(View view, Object object, MaterialTexel material, vec3 position, vec3 normal, vec4 tangent)
+ShadingPoint shadingPoint(ObjectAt object, MaterialTexel material, vec3 position, vec3 normal, vec4 tangent)
 {
     vec3 toEye = normalize(view.eyeInWorld - position);
     vec3 n = normalize(normal);
-    bool flip = (object.flags & kObjectDoubleSided) != 0u && dot(n, toEye) < 0.0;
+    bool flip = (object.at.flags & kObjectDoubleSided) != 0u && dot(n, toEye) < 0.0;
     vec3 t = tangent.xyz - n * dot(n, tangent.xyz);
     t = dot(t, t) > 1e-12 ? normalize(t) : normalize(abs(n.x) < 0.9 ? cross(n, vec3(1, 0, 0)) : cross(n, vec3(0, 1, 0)));
     vec3 b = cross(n, t) * (tangent.w < 0.0 ? -1.0 : 1.0);
@@ -67,13 +68,19 @@ vec3 shadeSurface(View view, Object object, MaterialTexel material, vec3 positio
     surface.macroNormal = n;
     surface.specular = material.specular;
     surface.diffuse = material.diffuse;
+    vec3 radiance = material.emitted +
+                    reflectAmbient(surface, view.skyRadiance, view.groundRadiance) * material.occlusion;
+    return ShadingPoint(surface, position, toEye, radiance);
+}
 
-    vec3 radiance = material.emitted;
-    radiance += reflectAmbient(surface, view.skyRadiance, view.groundRadiance) * material.occlusion;
-    for (uint i = 0u; i < view.lightCount; ++i) {
-        Incident incident = incidentLight(view.lights.at[i], position);
-        radiance += reflectLight(surface, incident.direction, toEye, incident.irradiance);
-    }
+vec3 reflectedFrom(ShadingPoint point, Light light)
+{
+    Incident incident = incidentLight(light, point.position);
+    return reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance);
+}
+
+vec3 storable(vec3 radiance)
+{
     return min(radiance, vec3(60000.0)); // half float's largest is 65504
 }
 #endif

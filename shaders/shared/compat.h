@@ -24,6 +24,7 @@ using glm::clamp;
 using glm::cross;
 using glm::dot;
 using glm::exp;
+using glm::findMSB;
 using glm::length;
 using glm::log;
 using glm::log2;

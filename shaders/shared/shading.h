@@ -83,5 +83,28 @@ LUMEL_FN Incident incidentLight(Light light, vec3 position)
     return incident;
 }
 
+// May the light reach a ball of surface? Conservative: range and cone, not which way the surface faces.
+LUMEL_FN bool lightReaches(Light light, vec3 centre, float radius)
+{
+    if (light.type == kLightDirectional)
+        return true;
+    vec3 toBall = centre - light.position;
+    float distance = length(toBall);
+    if (light.inverseRange * (distance - radius) > 1.0f)
+        return false;
+    if (light.type != kLightSpot || distance <= radius)
+        return true;
+    // The cone ends at the cosine c where c coneScale + coneOffset = 0. The ball meets it when its centre lies
+    // within the outer angle plus the angle that its radius takes up.
+    float cosOuter = clamp(-light.coneOffset / light.coneScale, -1.0f, 1.0f);
+    float sinBall = radius / distance;
+    float cosBall = sqrt(max(1.0f - sinBall * sinBall, 0.0f));
+    float sinOuter = sqrt(max(1.0f - cosOuter * cosOuter, 0.0f));
+    float cosSum = cosOuter * cosBall - sinOuter * sinBall;
+    // Past 180 degrees together, the cone reaches all around.
+    bool around = sinOuter * cosBall + cosOuter * sinBall < 0.0f;
+    return around || dot(toBall, light.direction) >= cosSum * distance;
+}
+
 LUMEL_SHARED_END
 #endif

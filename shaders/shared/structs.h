@@ -13,11 +13,13 @@ LUMEL_SHARED_BEGIN
 layout(buffer_reference) buffer Vertices;
 layout(buffer_reference) buffer Indices;
 layout(buffer_reference) buffer Texels;
-layout(buffer_reference) buffer Lights;
 layout(buffer_reference) buffer Objects;
-layout(buffer_reference) buffer Views;
-layout(buffer_reference) buffer Tiles;
+layout(buffer_reference) buffer JobTiles;
+layout(buffer_reference) buffer TileStates;
 layout(buffer_reference) buffer Needs;
+layout(buffer_reference) buffer Plans;
+layout(buffer_reference) buffer Jobs;
+layout(buffer_reference) buffer Marks;
 #endif
 
 struct Vertex {
@@ -31,6 +33,8 @@ LUMEL_CONST uint kLightDirectional = 0u;
 LUMEL_CONST uint kLightPoint = 1u;
 LUMEL_CONST uint kLightSpot = 2u;
 
+// What a uniform buffer of 64 KiB holds.
+LUMEL_CONST uint kMaxLights = 1024u;
 struct Light {
     vec3 position;      // metres
     uint type;          // kLight...
@@ -39,6 +43,7 @@ struct Light {
     vec3 intensity;     // linear colour times lux (directional) or candela
     float coneScale;    // spot: cone = clamp(cos(angle) * coneScale + coneOffset)^2
     float coneOffset;
+    uint changed; // frame in which it last moved or changed
 };
 
 // One camera of one frame.
@@ -51,7 +56,8 @@ struct View {
     vec3 groundRadiance;
     float anisotropy; // most taps along a footprint's long axis, 1 = isotropic
     uvec2 sizePixels;
-    LUMEL_ADDRESS(Lights) lights;
+    uint frame;        // from 1
+    float levelOffset; // levels that lit textures are coarser than one lumel a pixel
     LUMEL_ADDRESS(Objects) objects;
 };
 
@@ -69,63 +75,168 @@ struct Object {
     uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
     uvec2 litSize;                 // lumels of level 0, powers of two
     float materialLevelOffset;     // material level = lit level + this
-    uint texelsCoincide;           // 1: lit and material levels have equal sizes where both exist
     uint flags;                    // kObject...
     float alphaCutoff;
-    // The lit texture that the object draws this frame: a layer of a pool block.
+    uint changed;                  // frame in which it last moved
+    // The lit texture that the object draws this frame: one layer of a pool block.
+    uint mips;                    // 0: none, the object is drawn forward
     uint layer;
-    uint litLevel; // level of the texture's MIP 0: the object's maximum MIP level
+    uint litLevel;                // level of the texture's MIP 0: the object's maximum MIP level
+    float finest;                 // least MIP drawn; falls to 0 over a few frames after litLevel fell
+    uint lightJob;                // of its tiles
+    uint lowerJob;                // of its MIP 1 tiles; each coarser MIP's follows
+    uint tileOffsets[kMaxLevels]; // first tile of each MIP
+    LUMEL_ADDRESS(TileStates) tiles;
 };
 
-// An 8x8-lumel tile to light or to filter.
+// All MIPs of a lit texture lie in one layer: MIP 0 at (0, 0), the others below each other to its right.
+// One image then serves light, lower and draw without a view for every MIP.
+// size: powers of two.
+LUMEL_FN uvec2 mipOrigin(uvec2 size, uint mip)
+{
+    if (mip == 0u)
+        return uvec2(0u, 0u);
+    // The heights of MIPs 1 to mip - 1: halves down to 1, then 1 each.
+    uint halves = min(mip - 1u, uint(findMSB(size.y)));
+    return uvec2(size.x, size.y - (size.y >> halves) + (mip - 1u - halves));
+}
+
+// An 8x8-lumel tile of an object's lit texture.
 LUMEL_CONST uint kTileSize = 8u;
+LUMEL_CONST uint kTileLumels = 64u;
+LUMEL_CONST uint kPlaceWaited = 0x80000000u; // the frame before needed it too
 struct Tile {
     uint object;
-    uint x; // in tiles
-    uint y;
+    uint place; // kPlaceWaited | mip << 24 | y << 12 | x, in tiles
 };
+
+// What is known of a tile as long as its object keeps the texture. Frames count from 1; 0 = never.
+struct TileState {
+    vec3 eye;     // where it was lit from, world
+    uint lit;     // frame in which it was last lit or derived
+    vec3 centre;  // of the surface that its lumels cover, world
+    float radius; // metres
+    float rate;   // expected RMS change of its lumels' display value per radian that the eye turns around it
+    float turned; // radians that the eye had turned when it was last lit; 0 = it was the first time
+    uint change;  // sum over its lumels of the squared change then, in 1 / kChangeUnit
+    uint marked;  // frame in which a view last needed it
+    uint shown;   // frame from which it is drawn; it fades in over kFadeFrames
+};
+LUMEL_CONST float kChangeUnit = 16777216.0f;
+LUMEL_CONST uint kShownAtOnce = 0xffffffffu;
+LUMEL_CONST uint kFadeFrames = 8u;
+
+// A tile in the list of a job, with the lights that may reach it: bit i of word i / 32 is light i. Lights past
+// the last bit are taken to reach every tile.
+LUMEL_CONST uint kListedLights = 256u;
+struct JobTile {
+    Tile tile;
+    uint lights[kListedLights / 32u];
+};
+
+// A tile that this frame's view needs, and what is to be done about it.
+struct Mark {
+    Tile tile;
+    uint verdict; // kVerdict..., or the priority of lighting it
+};
+LUMEL_CONST uint kPriorities = 64u; // the greater, the more urgent
+LUMEL_CONST uint kVerdictKeep = 64u;
+LUMEL_CONST uint kVerdictDerive = 65u;
+LUMEL_CONST uint kVerdictEmpty = 66u; // no surface
+// Priorities from here on are tiles that show nothing yet, or something that is no more.
+LUMEL_CONST uint kPriorityChanged = 47u;
+
+// One frame's plan: how many tiles are marked, and which priorities are lit.
+struct Plan {
+    uint marked; // tiles
+    uint groups[3]; // of a dispatch over the marked tiles, 64 each
+    uint histogram[kPriorities];
+    uint threshold; // this priority and greater ones are lit
+    float share;    // of the tiles of that very priority
+    uint tilesLit;
+    uint lumelsMarked, lumelsLit, lumelsDerived, lumelsPending; // pending: to be lit in later frames
+};
+
+// A list of tiles for one dispatch: of one material and pool block (light), or of one block and MIP (lower).
+struct Job {
+    uint groups[3]; // of the dispatch; a group takes tile after tile
+    uint count;     // tiles
+    uint first;     // in the list of all jobs' tiles
+};
+LUMEL_CONST uint kMaxJobGroups = 16384u;
 
 // Texel map entry: triangle + 1 in the low 24 bits (0 = no surface near), coverage in the high 8 (0 = gutter).
 LUMEL_CONST uint kTexelTriangleMask = 0xffffffu;
 LUMEL_CONST uint kTexelCoverageShift = 24u;
 
-// What the need pass finds of an object. `level` is the least ever needed, in 1/256 of a level, kNotSeen
-// when no sample saw the object.
+// Levels of the need pass: kNeedFinest + n / kNeedScale, finer than any grid has where it is magnified.
 LUMEL_CONST uint kNotSeen = 0xffffffffu;
 LUMEL_CONST uint kNeedScale = 256u;
+LUMEL_CONST float kNeedFinest = -4.0f;
+// What the need pass finds of an object.
 struct Need {
-    uint level;
-    uint samples; // quarter-resolution samples that saw it
+    uint level;   // the least of all samples, kNotSeen when there are none
+    uint samples;
+    uint lumels;  // of that many samples' blocks of pixels at one lumel a pixel across, in 1 / kNeedScale
 };
+// A sample of the need pass: object + 1 above kSeenObjectShift, n of its level below.
+LUMEL_CONST uint kSeenObjectShift = 12u;
+LUMEL_CONST uint kSeenLevelMask = 0xfffu;
 
 struct NeedPush {
-    LUMEL_ADDRESS(Views) view;
     LUMEL_ADDRESS(Needs) needs;
-    vec2 jitter;    // sub-pixel offset in clip space
-    float divisor;  // full-size pixels per sample, per axis
+    vec2 jitter;   // sub-pixel offset in clip space
+    float divisor; // full-size pixels per sample, per axis
     uint object;
-    uvec2 size;     // samples
+    uvec2 size;    // samples
+};
+
+struct PlanPush {
+    LUMEL_ADDRESS(Plans) plan;
+    LUMEL_ADDRESS(Marks) marks;
+    LUMEL_ADDRESS(Jobs) jobs;
+    LUMEL_ADDRESS(JobTiles) tiles; // of all jobs
+    uvec2 samples;       // of the need pass
+    float divisor;       // full-size pixels per sample, per axis
+    float reach;         // lumels around a point that the draw filter reads
+    uint objectCount;
+    uint budgetTiles;    // to light this frame
+    float refreshShare;  // of the marked tiles that may be lit again because the eye moved
+    float tolerance;     // display value: a smaller expected change is left alone
 };
 
 struct LightPush {
-    LUMEL_ADDRESS(Views) view;
-    LUMEL_ADDRESS(Tiles) tiles;
-    uint mip;       // of the lit texture
+    LUMEL_ADDRESS(Jobs) jobs;
+    LUMEL_ADDRESS(JobTiles) tiles; // of all jobs
+    uint job;
 };
 
 struct DrawPush {
-    LUMEL_ADDRESS(Views) view;
     uint object;
-    uint filterKind; // kFilter...
-    float level;     // forward: >= 0 fixes the material level (the reference reads level 0), < 0 derives it
+    float opacity; // forward: fades it in over the lit texture
+    float level;   // forward: >= 0 fixes the material level (the reference reads level 0), < 0 derives it
+    uint frame;
+};
+
+// What drawing a lit texture needs, all of it: loads that are the same for all pixels are cheap from here only.
+struct LitPush {
+    DrawPush draw; // for the vertex shader
+    LUMEL_ADDRESS(TileStates) tiles;
+    uvec2 size;        // lumels of MIP 0
+    float level;       // added to a footprint's level over litSize: position in the MIP chain
+    float finest;
+    float anisotropy;
+    uint layer;
+    uint mips;
+    uint tileOffsets[kMaxLevels];
 };
 
 LUMEL_CONST uint kFilterBilinear = 0u;
 LUMEL_CONST uint kFilterBspline = 1u;
-LUMEL_CONST uint kFilterCatmullRom = 2u;
+LUMEL_CONST uint kFilterCatmullRom = 2u;      // 5 taps
+LUMEL_CONST uint kFilterCatmullRomExact = 3u; // 16 taps
 
 struct DisplayPush {
-    LUMEL_ADDRESS(Views) view;
     float weight; // of the accumulated sum: 1 / samples
 };
 
@@ -134,9 +245,9 @@ LUMEL_SHARED_END
 #ifdef __cplusplus
 #include <cstddef>
 namespace lumel::shared {
-static_assert(sizeof(Vertex) == 48 && sizeof(Light) == 52 && sizeof(Tile) == 12);
-static_assert(offsetof(View, lights) % 8 == 0 && offsetof(Object, vertices) % 8 == 0);
-static_assert(sizeof(DrawPush) <= 128 && sizeof(NeedPush) <= 128); // lavapipe's push constant limit
+static_assert(sizeof(Vertex) == 48 && sizeof(Light) == 56 && sizeof(Tile) == 8);
+static_assert(offsetof(View, objects) % 8 == 0 && offsetof(Object, vertices) % 8 == 0);
+static_assert(sizeof(LitPush) <= 128 && sizeof(PlanPush) <= 128); // lavapipe's push constant limit
 } // namespace lumel::shared
 #endif
 #endif

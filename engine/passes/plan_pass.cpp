@@ -1,0 +1,161 @@
+#include "plan_pass.h"
+#include <algorithm>
+
+namespace lumel {
+namespace {
+
+// Makes the buffer at least this large; grows by half more, so that a steady view allocates nothing.
+void reserve(const gpu::Device& device, gpu::Buffer& buffer, size_t bytes, gpu::Buffer::Home home,
+             const char* name)
+{
+    if (bytes > buffer.size())
+        buffer = gpu::Buffer(device, bytes + bytes / 2, home, name);
+}
+
+// Lumels around a point that the draw filter reads.
+float reachOf(DrawFilter filter)
+{
+    return filter == DrawFilter::bilinear ? 1.0f : 2.0f;
+}
+
+} // namespace
+
+PlanPass::PlanPass(const gpu::Device& device, const GpuScene& scene, const NeedPass& need)
+    : mark_(gpu::makeComputePipeline(device, "mark.comp", {*scene.frameLayout(), *need.layout()},
+                                     sizeof(shared::PlanPush))),
+      classify_(gpu::makeComputePipeline(device, "classify.comp", {*scene.frameLayout()},
+                                         sizeof(shared::PlanPush))),
+      budget_(
+          gpu::makeComputePipeline(device, "budget.comp", {*scene.frameLayout()}, sizeof(shared::PlanPush))),
+      select_(
+          gpu::makeComputePipeline(device, "select.comp", {*scene.frameLayout()}, sizeof(shared::PlanPush))),
+      plan_(device, sizeof(shared::Plan), gpu::Buffer::Home::device, "plan"),
+      readback_(device, sizeof(shared::Plan), gpu::Buffer::Home::host, "plan readback")
+{
+}
+
+uint32_t PlanPass::lightJobOf(const GpuMaterial* material, int block)
+{
+    const auto [entry, isNew] = lightJobIndex_.try_emplace({material, block}, uint32_t(lightJobs_.size()));
+    if (isNew)
+        lightJobs_.push_back({material, block});
+    return entry->second;
+}
+
+uint32_t PlanPass::lowerJobOf(int block, uint32_t mips)
+{
+    const auto [entry, isNew] = lowerJobIndex_.try_emplace(block, uint32_t(lowerJobs_.size()));
+    if (isNew)
+        lowerJobs_.push_back({.block = block,
+                              .mips = mips,
+                              .first = std::vector<uint32_t>(mips - 1),
+                              .capacity = std::vector<uint32_t>(mips - 1)});
+    return entry->second;
+}
+
+void PlanPass::prepare(Frame& frame, const LitPool& pool)
+{
+    lightJobs_.clear();
+    lowerJobs_.clear();
+    lightJobIndex_.clear();
+    lowerJobIndex_.clear();
+    const auto& rooms = frame.rooms.objects();
+    const auto& objects = frame.scene.objects();
+    std::vector<ObjectJobs> jobs(rooms.size());
+    uint32_t tiles = 0;
+    for (size_t i = 0; i < rooms.size(); ++i) {
+        if (!rooms[i].texture)
+            continue;
+        const tsl::TextureLayout& layout = pool.block(rooms[i].texture).layout;
+        jobs[i].light = lightJobOf(objects[i].material, rooms[i].texture.block);
+        jobs[i].lower = lowerJobOf(rooms[i].texture.block, layout.mips);
+        lightJobs_[jobs[i].light].capacity += layout.tiles;
+        for (uint32_t mip = 1; mip < layout.mips; ++mip) {
+            const uint32_t last = mip + 1 < layout.mips ? layout.tileOffsets[mip + 1] : layout.tiles;
+            lowerJobs_[jobs[i].lower].capacity[mip - 1] += last - layout.tileOffsets[mip];
+        }
+        tiles += layout.tiles;
+    }
+
+    std::vector<shared::Job> table;
+    uint32_t first = 0;
+    const auto addJob = [&](uint32_t capacity) {
+        table.push_back({.groups = {0, 1, 1}, .count = 0, .first = first});
+        first += capacity;
+    };
+    for (const LightJob& job : lightJobs_)
+        addJob(job.capacity);
+    for (LowerJobs& block : lowerJobs_) {
+        block.job = uint32_t(table.size());
+        for (const uint32_t capacity : block.capacity)
+            addJob(capacity);
+    }
+    for (size_t i = 0; i < rooms.size(); ++i)
+        if (rooms[i].texture)
+            jobs[i].lower = lowerJobs_[jobs[i].lower].job;
+    jobCount_ = uint32_t(table.size());
+
+    using Home = gpu::Buffer::Home;
+    reserve(frame.device, marks_, tiles * sizeof(shared::Mark), Home::device, "marks");
+    reserve(frame.device, tiles_, first * sizeof(shared::JobTile), Home::device, "tiles");
+    reserve(frame.device, jobs_, table.size() * sizeof(shared::Job), Home::device, "jobs");
+    reserve(frame.device, upload_, table.size() * sizeof(shared::Job), Home::host, "jobs upload");
+    std::memcpy(upload_.mapped<void>(), table.data(), table.size() * sizeof(shared::Job));
+    frame.scene.writeObjects(frame.rooms, pool, jobs);
+}
+
+shared::LightPush PlanPass::push(uint32_t job) const
+{
+    return {.jobs = jobs_.address(), .tiles = tiles_.address(), .job = job};
+}
+
+void PlanPass::record(Frame& frame, const NeedPass& need)
+{
+    const PassScope scope(frame, "plan");
+    const vk::CommandBuffer commands = frame.commands;
+    commands.fillBuffer(plan_.handle(), 0, VK_WHOLE_SIZE, 0);
+    const std::array<uint32_t, 2> groupsYZ{1, 1};
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::transferWrite);
+    commands.updateBuffer<uint32_t>(plan_.handle(), offsetof(shared::Plan, groups) + sizeof(uint32_t),
+                                    groupsYZ);
+    if (jobCount_ > 0)
+        commands.copyBuffer(upload_.handle(), jobs_.handle(),
+                            vk::BufferCopy{.size = jobCount_ * sizeof(shared::Job)});
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::computeReadWrite);
+
+    const glm::uvec2 samples = need.samples();
+    const Settings& settings = frame.settings;
+    const auto objectCount = uint32_t(frame.scene.objects().size());
+    const shared::PlanPush push{.plan = plan_.address(),
+                                .marks = marks_.address(),
+                                .jobs = jobs_.address(),
+                                .tiles = tiles_.address(),
+                                .samples = samples,
+                                .divisor = float(need.divisor()),
+                                .reach = reachOf(settings.filter),
+                                .objectCount = objectCount,
+                                .budgetTiles = settings.lumelBudget / shared::kTileLumels,
+                                .refreshShare = settings.refreshShare,
+                                .tolerance = settings.tolerance};
+    const auto bind = [&](const gpu::Pipeline& pipeline, std::initializer_list<vk::DescriptorSet> sets = {}) {
+        bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, sets);
+        pushConstants(commands, pipeline, push);
+    };
+    const auto wait = [&] { gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::indirectRead); };
+    bind(mark_, {need.set()});
+    commands.dispatch(groupsOf64(std::max(samples.x * samples.y, objectCount)), 1, 1);
+    wait();
+    for (const gpu::Pipeline* pass : {&classify_, &select_}) {
+        bind(budget_);
+        commands.dispatch(1, 1, 1);
+        wait();
+        bind(*pass);
+        commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, groups));
+        wait();
+    }
+    gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::transferRead);
+    commands.copyBuffer(plan_.handle(), readback_.handle(), vk::BufferCopy{.size = sizeof(shared::Plan)});
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::hostRead);
+}
+
+} // namespace lumel

@@ -1,0 +1,47 @@
+// Plan: from the need pass's samples, on the GPU, the lists of tiles to light and to derive.
+#pragma once
+#include "lit_pool.h"
+#include "need_pass.h"
+
+namespace lumel {
+
+class PlanPass {
+public:
+    // One indirect dispatch over a list of tiles.
+    struct LightJob { // tiles of one material in one block
+        const GpuMaterial* material;
+        int block;
+        uint32_t first = 0, capacity = 0; // in the tile list
+    };
+    struct LowerJobs { // tiles of one block: MIP 1 is job `job`, each coarser MIP's follows
+        int block;
+        uint32_t job = 0, mips = 0;
+        std::vector<uint32_t> first, capacity; // by MIP from 1
+    };
+
+    PlanPass(const gpu::Device& device, const GpuScene& scene, const NeedPass& need);
+    // Sorts the frame's objects into jobs and writes the object table. Call when no frame is in flight.
+    void prepare(Frame& frame, const LitPool& pool);
+    void record(Frame& frame, const NeedPass& need);
+    // Reads what was planned, after the recorded commands have finished.
+    const shared::Plan& read() const { return *readback_.mapped<shared::Plan>(); }
+
+    const std::vector<LightJob>& lightJobs() const { return lightJobs_; }
+    const std::vector<LowerJobs>& lowerJobs() const { return lowerJobs_; }
+    shared::LightPush push(uint32_t job) const;
+    vk::Buffer jobBuffer() const { return jobs_.handle(); }
+
+private:
+    uint32_t lightJobOf(const GpuMaterial* material, int block);
+    uint32_t lowerJobOf(int block, uint32_t mips);
+
+    gpu::Pipeline mark_, classify_, budget_, select_;
+    gpu::Buffer plan_, readback_, upload_, jobs_, marks_, tiles_;
+    std::vector<LightJob> lightJobs_;
+    std::vector<LowerJobs> lowerJobs_;
+    std::map<std::pair<const GpuMaterial*, int>, uint32_t> lightJobIndex_;
+    std::map<int, uint32_t> lowerJobIndex_; // into lowerJobs_
+    uint32_t jobCount_ = 0;
+};
+
+} // namespace lumel

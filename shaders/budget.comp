@@ -1,0 +1,33 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Plan, between its steps, one invocation. With the marks counted: the dispatch over them. With the priorities
+// counted: the threshold that fits the frame's budget, and the share of tiles at that very priority.
+#include "lib/interface.glsl"
+
+layout(local_size_x = 1) in;
+layout(push_constant, scalar) uniform Constants { PlanPush push; };
+
+void main()
+{
+    uint marked = push.plan.at.marked;
+    if (push.plan.at.groups[0] == 0u) {
+        push.plan.at.groups[0] = max((marked + 63u) / 64u, 1u);
+        return;
+    }
+    uint budget = push.budgetTiles;
+    uint refreshable = uint(float(marked) * push.refreshShare);
+    push.plan.at.threshold = 0u;
+    push.plan.at.share = 1.0;
+    for (uint priority = kPriorities; priority-- > 0u;) {
+        uint count = push.plan.at.histogram[priority];
+        uint room = priority < kPriorityChanged ? min(budget, refreshable) : budget;
+        if (count > room) {
+            push.plan.at.threshold = priority;
+            push.plan.at.share = float(room) / float(count);
+            break;
+        }
+        budget -= count;
+        if (priority < kPriorityChanged)
+            refreshable -= count;
+    }
+}

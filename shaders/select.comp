@@ -1,0 +1,128 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Plan, last step: the tiles to light and to derive enter the lists of their jobs.
+#include "lib/geometry.glsl"
+#include "lib/tiles.glsl"
+#include "shared/shading.h"
+
+layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform Constants { PlanPush push; };
+
+// Uniform in [0, 1) by tile and frame: which tiles of the threshold's priority are lit does not depend on the
+// order in which they were marked. (Wellons 2018, "Prospecting for Hash Functions", lowbias32.)
+float chance(Tile tile, uint frame)
+{
+    uint x = tile.place ^ (tile.object * 0x9e3779b9u) ^ (frame * 0x85ebca6bu);
+    x = (x ^ (x >> 16u)) * 0x7feb352du;
+    x = (x ^ (x >> 15u)) * 0x846ca68bu;
+    return float((x ^ (x >> 16u)) >> 8u) / 16777216.0;
+}
+
+// Returns the tile's place in the list.
+uint append(uint job, Tile tile)
+{
+    uint slot = atomicAdd(push.jobs.at[job].count, 1u);
+    if (slot < kMaxJobGroups)
+        atomicMax(push.jobs.at[job].groups[0], slot + 1u);
+    slot += push.jobs.at[job].first;
+    push.tiles.at[slot].tile = tile;
+    return slot;
+}
+
+// World position of a lumel's point on the surface; w = 0 where there is none.
+vec4 positionOf(ObjectAt object, uint level, uvec2 lumel)
+{
+    uint triangle = texelAt(object, level, lumel) & kTexelTriangleMask;
+    if (triangle == 0u)
+        return vec4(0.0);
+    Vertex a = pullVertex(object, 3u * triangle - 3u);
+    Vertex b = pullVertex(object, 3u * triangle - 2u);
+    Vertex c = pullVertex(object, 3u * triangle - 1u);
+    vec2 size = vec2(max(object.at.litSize >> level, uvec2(1u)));
+    vec3 w = barycentrics(a.uv, b.uv, c.uv, (vec2(lumel) + 0.5) / size);
+    vec3 position = w.x * a.position + w.y * b.position + w.z * c.position;
+    return vec4((object.at.worldFromObject * vec4(position, 1.0)).xyz, 1.0);
+}
+
+// Centre and radius (w) of a ball around the tile's surface: from its corners and centre where all lie on it,
+// else from every lumel.
+vec4 ballOf(ObjectAt object, uint mip, uvec2 tile)
+{
+    uint level = object.at.litLevel + mip;
+    uvec2 last = min(mipSize(object, mip), uvec2(kTileSize)) - 1u;
+    vec3 lower = vec3(1e30), upper = vec3(-1e30);
+    uint found = 0u;
+    for (uint i = 0u; i < 5u; ++i) {
+        uvec2 step = i == 4u ? last / 2u : last * uvec2(i & 1u, i >> 1u);
+        vec4 p = positionOf(object, level, tile * kTileSize + step);
+        found += uint(p.w);
+        lower = min(lower, p.w > 0.0 ? p.xyz : lower);
+        upper = max(upper, p.w > 0.0 ? p.xyz : upper);
+    }
+    for (uint i = 0u; i < (found < 5u ? kTileLumels : 0u); ++i) {
+        uvec2 step = uvec2(i % kTileSize, i / kTileSize);
+        if (any(greaterThan(step, last)))
+            continue;
+        vec4 p = positionOf(object, level, tile * kTileSize + step);
+        lower = min(lower, p.w > 0.0 ? p.xyz : lower);
+        upper = max(upper, p.w > 0.0 ? p.xyz : upper);
+    }
+    const float kBulge = 1.25; // of a curved surface between its corners
+    return vec4(0.5 * (lower + upper), 0.5 * kBulge * length(max(upper - lower, vec3(0.0))));
+}
+
+// The tile is about to be lit: notes from where, and which lights reach it.
+void prepare(ObjectAt object, Tile tile, uint slot)
+{
+    uint index = tileIndex(object, placeMip(tile.place), placeTile(tile.place));
+    TileState state = object.at.tiles.at[index];
+    vec4 ball = ballOf(object, placeMip(tile.place), placeTile(tile.place));
+    bool known = state.lit != 0u;
+    if (known)
+        state.rate = rateOf(state);
+    state.turned = known ? max(turnedSince(state, view.eyeInWorld), 1e-6) : 0.0;
+    state.change = 0u;
+    state.eye = view.eyeInWorld;
+    state.centre = ball.xyz;
+    state.radius = ball.w;
+    state.lit = view.frame;
+    if (state.shown == 0u)
+        state.shown = (tile.place & kPlaceWaited) != 0u ? view.frame : kShownAtOnce;
+    object.at.tiles.at[index] = state;
+    for (uint word = 0u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word) {
+        uint bits = 0u;
+        for (uint i = 0u; i < min(view.lightCount - 32u * word, 32u); ++i)
+            bits |= lightReaches(lights[32u * word + i], ball.xyz, ball.w) ? 1u << i : 0u;
+        push.tiles.at[slot].lights[word] = bits;
+    }
+}
+
+void main()
+{
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= push.plan.at.marked)
+        return;
+    Mark mark = push.marks.at[index];
+    ObjectAt object = objectAt(mark.tile.object);
+    uint mip = placeMip(mark.tile.place);
+    uvec2 size = min(mipSize(object, mip), uvec2(kTileSize));
+    uint lumels = size.x * size.y;
+    if (mark.verdict == kVerdictEmpty)
+        return;
+    atomicAdd(push.plan.at.lumelsMarked, lumels);
+    if (mark.verdict == kVerdictDerive) {
+        append(object.at.lowerJob + mip - 1u, mark.tile);
+        atomicAdd(push.plan.at.lumelsDerived, lumels);
+    } else if (mark.verdict < kPriorities) {
+        uint threshold = push.plan.at.threshold;
+        bool chosen = mark.verdict > threshold ||
+                      (mark.verdict == threshold && chance(mark.tile, view.frame) < push.plan.at.share);
+        if (chosen) {
+            prepare(object, mark.tile, append(object.at.lightJob, mark.tile));
+            atomicAdd(push.plan.at.tilesLit, 1u);
+            atomicAdd(push.plan.at.lumelsLit, lumels);
+        } else {
+            atomicAdd(push.plan.at.lumelsPending, lumels);
+        }
+    }
+}
