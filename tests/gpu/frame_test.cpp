@@ -3,6 +3,7 @@
 #include "shared/shading.h"
 #include "shared/tonemap.h"
 #include "test_scene.h"
+#include <numeric>
 
 using namespace lumel;
 using namespace lumel::test;
@@ -142,15 +143,146 @@ TEST_F(FrameTest, AFacingQuadGetsTheAnalyticLevel)
     s.add(planeMesh(), bumpyMaps(512, 1.0f, 100.0f));
     s.scene.lights = {sun({0, 0, -1})};
     for (int i = 0; i < 20; ++i) {
-        const float distance = 2.0f * std::pow(1.25f, float(i));
+        const float distance = 3.0f * std::pow(1.25f, float(i)); // from 2.8 on the whole quad is in view
         const float metresPerPixel = 2.0f * distance * std::tan(0.35f) / 256.0f;
         const float level = std::max(0.0f, std::log2(512.0f * metresPerPixel));
-        Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl, {256, 256}));
+        // The whole quad is in view at one level: all its tiles are lit, and whole coarser MIPs derived.
+        Settings settings = settingsFor(Shading::tsl, {256, 256});
+        settings.levelOffset = 0.0f;
+        Renderer renderer(device(), s.scene, s.materials, settings);
         const FrameStats stats = renderer.render(cameraAt({0.0f, 0.0f, distance}));
         const auto side = size_t(1024) >> size_t(level);
-        const size_t tiles = (side + 7) / 8;
-        EXPECT_EQ(stats.lumelsLit, tiles * tiles * 64) << "distance " << distance << ", level " << level;
+        if (1024.0f * std::exp2(-level) < tsl::kLeave) {
+            EXPECT_EQ(stats.objectsTsl, 0u) << "so small that it has left texture space";
+            continue;
+        }
+        // Three MIPs coarser there is something to fall back on: a 64th, at least a tile; and the tail.
+        EXPECT_GE(stats.lumelsLit, side * side) << "distance " << distance << ", level " << level;
+        EXPECT_LE(stats.lumelsLit, side * side + std::max<size_t>(side * side / 64, 64) + 64)
+            << "distance " << distance << ", level " << level;
     }
+}
+
+TEST_F(FrameTest, AFloorMarksSeveralLevelsAndOnlyWhatIsSeen)
+{
+    TestScene s;
+    s.add(planeMesh(8), bumpyMaps(512, 1.0f, 100.0f),
+          glm::rotate(glm::mat4(1.0f), -shared::kPi / 2, glm::vec3(1, 0, 0)) *
+              glm::scale(glm::mat4(1.0f), glm::vec3(8)));
+    s.scene.lights = {sun({0, -1, -1})};
+    Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl, {160, 90}));
+    const FrameStats stats = renderer.render(cameraAt({0.0f, 0.4f, 7.0f}, {0.0f, 0.0f, 0.0f}));
+    EXPECT_GT(stats.lumelsLit, 0u);
+    EXPECT_LT(stats.lumelsLit, size_t(1024) * 1024 / 4); // the finest level whole would be a million
+}
+
+TEST_F(FrameTest, AStillViewLightsNothingTwice)
+{
+    const TestScene s = sphereScene(bumpyMaps(256, 1.0f, 100.0f));
+    Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
+    const scene::Camera camera = cameraAt({1.0f, 0.5f, 3.0f});
+    EXPECT_GT(renderer.render(camera).lumelsLit, 0u);
+    const Image first = renderer.readRadiance();
+    for (int i = 0; i < 20; ++i) {
+        const FrameStats stats = renderer.render(camera);
+        EXPECT_EQ(stats.lumelsLit, 0u) << "frame " << i;
+        EXPECT_EQ(stats.lumelsKept, stats.lumelsMarked);
+    }
+    EXPECT_EQ(renderer.readRadiance().pixels, first.pixels);
+}
+
+TEST_F(FrameTest, AnOrbitLightsAPartAndStaysNearTheTruth)
+{
+    const TestScene s = sphereScene(bumpyMaps(256, 1.0f, 100.0f));
+    Renderer reusing(device(), s.scene, s.materials, settingsFor(Shading::tsl));
+    Settings every = settingsFor(Shading::tsl);
+    every.refreshShare = 1.0f;
+    every.tolerance = 0.0f;
+    Renderer lightingAll(device(), s.scene, s.materials, every);
+    scene::Camera camera;
+    FrameStats stats;
+    size_t lit = 0, marked = 0;
+    for (int i = 0; i < 24; ++i) {
+        const float angle = glm::radians(0.5f * float(i));
+        camera = cameraAt({3.0f * std::sin(angle), 0.5f, 3.0f * std::cos(angle)});
+        stats = reusing.render(camera);
+        lightingAll.render(camera);
+        if (i > 0) {
+            lit += stats.lumelsLit;
+            marked += stats.lumelsMarked;
+        }
+    }
+    EXPECT_GT(lit, 0u);
+    EXPECT_LT(lit, marked / 2);
+    const Picture truth = shoot(s, camera, settingsFor(Shading::reference));
+    EXPECT_LT(compareImages(reusing.readDisplay(), truth.display).rmse,
+              1.1 * compareImages(lightingAll.readDisplay(), truth.display).rmse);
+}
+
+TEST_F(FrameTest, AMovedLightOrObjectIsLitAnew)
+{
+    TestScene s = sphereScene(plainMaps());
+    Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
+    const scene::Camera camera = cameraAt({0.0f, 0.3f, 3.5f});
+    renderer.render(camera);
+    EXPECT_EQ(renderer.render(camera).lumelsLit, 0u);
+    s.scene.lights[0] = sun({1, -1, -1});
+    renderer.setLights(s.scene.lights);
+    EXPECT_GT(renderer.render(camera).lumelsLit, 0u);
+    for (uint32_t i = 0; i < NeedPass::kCycle; ++i)
+        renderer.render(camera); // until the sub-pixel offsets have met every tile
+    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, settingsFor(Shading::tsl)).display), 45.0);
+    s.scene.objects[0].worldFromObject = glm::rotate(glm::mat4(1.0f), 0.5f, glm::vec3(0, 1, 0));
+    renderer.moveObject(0, s.scene.objects[0].worldFromObject);
+    for (uint32_t i = 0; i < NeedPass::kCycle; ++i)
+        renderer.render(camera);
+    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, settingsFor(Shading::tsl)).display), 45.0);
+}
+
+TEST_F(FrameTest, ALampOutOfReachLightsNothingAnew)
+{
+    TestScene s = sphereScene(plainMaps());
+    scene::Light lamp;
+    lamp.type = scene::LightType::point;
+    lamp.range = 2.0f;
+    lamp.position = {50.0f, 0.0f, 0.0f};
+    for (int i = 0; i < 200; ++i)
+        s.scene.lights.push_back(lamp);
+    Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
+    const scene::Camera camera = cameraAt({0.0f, 0.3f, 3.5f});
+    const size_t all = renderer.render(camera).lumelsLit;
+    const Image dark = renderer.readRadiance();
+    EXPECT_EQ(dark.pixels,
+              shoot(sphereScene(plainMaps()), camera, settingsFor(Shading::tsl)).radiance.pixels);
+    s.scene.lights.back().position = {60.0f, 0.0f, 0.0f};
+    renderer.setLights(s.scene.lights);
+    EXPECT_LT(renderer.render(camera).lumelsLit, all / 8); // tiles at edges that other samples meet
+    s.scene.lights.back().position = {0.0f, 0.0f, 2.0f};
+    s.scene.lights.back().intensity = 5.0f;
+    renderer.setLights(s.scene.lights);
+    EXPECT_GT(renderer.render(camera).lumelsLit, 0u);
+    EXPECT_NE(renderer.readRadiance().pixels, dark.pixels);
+}
+
+TEST_F(FrameTest, ASmallBudgetLightsOverManyFramesAndEndsAtTheSamePicture)
+{
+    const TestScene s = sphereScene(bumpyMaps(256, 1.0f, 100.0f));
+    const scene::Camera camera = cameraAt({1.0f, 0.5f, 3.0f});
+    const Picture whole = shoot(s, camera, settingsFor(Shading::tsl));
+    Settings settings = settingsFor(Shading::tsl);
+    settings.lumelBudget = uint32_t(whole.stats.lumelsLit / 8);
+    Renderer renderer(device(), s.scene, s.materials, settings);
+    FrameStats stats = renderer.render(camera);
+    EXPECT_LT(stats.lumelsLit, 2u * settings.lumelBudget);
+    const Image coarse = renderer.readRadiance();
+    const auto mean = [](const Image& image) {
+        return std::accumulate(image.pixels.begin(), image.pixels.end(), 0.0) / double(image.pixels.size());
+    };
+    EXPECT_NEAR(mean(coarse) / mean(whole.radiance), 1.0, 0.4); // blurred, not black
+    for (int i = 0; i < 60; ++i)
+        stats = renderer.render(camera);
+    EXPECT_EQ(stats.lumelsPending, 0u);
+    EXPECT_GT(psnr(renderer.readDisplay(), whole.display), 38.0);
 }
 
 TEST_F(FrameTest, HiddenAndOffScreenObjectsAreNotLit)
@@ -182,8 +314,8 @@ TEST_F(FrameTest, ASmallPoolLowersQualityAndNothingElse)
     const Picture rich = shoot(s, camera, settings);
     settings.poolBytes = size_t(1) << 18;
     const Picture poor = shoot(s, camera, settings);
-    EXPECT_EQ(rich.stats.levelBias, 0u);
-    EXPECT_GT(poor.stats.levelBias, 0u);
+    EXPECT_EQ(rich.stats.levelBias, 0.0f);
+    EXPECT_GT(poor.stats.levelBias, 0.0f);
     EXPECT_LE(poor.stats.poolUsedBytes, settings.poolBytes);
     EXPECT_EQ(poor.stats.objectsTsl, rich.stats.objectsTsl);
     EXPECT_GT(psnr(poor.display, rich.display), 35.0);

@@ -11,6 +11,7 @@ namespace {
 enum SpirvOp : uint32_t {
     OpName = 5,
     OpMemberName = 6,
+    OpTypeArray = 28,
     OpTypeRuntimeArray = 29,
     OpDecorate = 71,
     OpMemberDecorate = 72
@@ -19,7 +20,7 @@ enum SpirvDecoration : uint32_t { ArrayStride = 6, Offset = 35 };
 
 struct SpirvLayout {
     std::map<std::string, std::map<std::string, uint32_t>> offsets; // struct, member
-    std::map<std::string, uint32_t> strides;                        // struct, as element of a runtime array
+    std::map<std::string, uint32_t> strides;                        // struct, as element of an array
 };
 
 // SPIR-V specification, section 3: words of (length << 16 | opcode) after a five-word header. A struct may
@@ -50,6 +51,7 @@ void readLayout(std::span<const uint32_t> code, SpirvLayout& layout)
             if (word[2] == ArrayStride)
                 strides[word[1]] = word[3];
             break;
+        case OpTypeArray:
         case OpTypeRuntimeArray:
             elements[word[1]] = word[2];
             break;
@@ -98,6 +100,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Light, intensity);
     EXPECT_OFFSET(Light, coneScale);
     EXPECT_OFFSET(Light, coneOffset);
+    EXPECT_OFFSET(Light, changed);
     EXPECT_OFFSET(View, clipFromWorld);
     EXPECT_OFFSET(View, eyeInWorld);
     EXPECT_OFFSET(View, lightCount);
@@ -106,7 +109,8 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(View, groundRadiance);
     EXPECT_OFFSET(View, anisotropy);
     EXPECT_OFFSET(View, sizePixels);
-    EXPECT_OFFSET(View, lights);
+    EXPECT_OFFSET(View, frame);
+    EXPECT_OFFSET(View, levelOffset);
     EXPECT_OFFSET(View, objects);
     EXPECT_OFFSET(Object, worldFromObject);
     EXPECT_OFFSET(Object, worldFromObjectNormal);
@@ -116,30 +120,80 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Object, texelOffsets);
     EXPECT_OFFSET(Object, litSize);
     EXPECT_OFFSET(Object, materialLevelOffset);
-    EXPECT_OFFSET(Object, texelsCoincide);
     EXPECT_OFFSET(Object, flags);
     EXPECT_OFFSET(Object, alphaCutoff);
+    EXPECT_OFFSET(Object, changed);
+    EXPECT_OFFSET(Object, mips);
     EXPECT_OFFSET(Object, layer);
     EXPECT_OFFSET(Object, litLevel);
+    EXPECT_OFFSET(Object, finest);
+    EXPECT_OFFSET(Object, lightJob);
+    EXPECT_OFFSET(Object, lowerJob);
+    EXPECT_OFFSET(Object, tileOffsets);
+    EXPECT_OFFSET(Object, tiles);
     EXPECT_OFFSET(Tile, object);
-    EXPECT_OFFSET(Tile, x);
-    EXPECT_OFFSET(Tile, y);
+    EXPECT_OFFSET(Tile, place);
+    EXPECT_OFFSET(TileState, eye);
+    EXPECT_OFFSET(TileState, lit);
+    EXPECT_OFFSET(TileState, centre);
+    EXPECT_OFFSET(TileState, radius);
+    EXPECT_OFFSET(TileState, rate);
+    EXPECT_OFFSET(TileState, turned);
+    EXPECT_OFFSET(TileState, change);
+    EXPECT_OFFSET(TileState, marked);
+    EXPECT_OFFSET(TileState, shown);
+    EXPECT_OFFSET(JobTile, tile);
+    EXPECT_OFFSET(JobTile, lights);
+    EXPECT_OFFSET(Mark, tile);
+    EXPECT_OFFSET(Mark, verdict);
+    EXPECT_OFFSET(Plan, marked);
+    EXPECT_OFFSET(Plan, groups);
+    EXPECT_OFFSET(Plan, histogram);
+    EXPECT_OFFSET(Plan, threshold);
+    EXPECT_OFFSET(Plan, share);
+    EXPECT_OFFSET(Plan, tilesLit);
+    EXPECT_OFFSET(Plan, lumelsMarked);
+    EXPECT_OFFSET(Plan, lumelsLit);
+    EXPECT_OFFSET(Plan, lumelsDerived);
+    EXPECT_OFFSET(Plan, lumelsPending);
+    EXPECT_OFFSET(Job, groups);
+    EXPECT_OFFSET(Job, count);
+    EXPECT_OFFSET(Job, first);
     EXPECT_OFFSET(Need, level);
     EXPECT_OFFSET(Need, samples);
-    EXPECT_OFFSET(NeedPush, view);
+    EXPECT_OFFSET(Need, lumels);
     EXPECT_OFFSET(NeedPush, needs);
     EXPECT_OFFSET(NeedPush, jitter);
     EXPECT_OFFSET(NeedPush, divisor);
     EXPECT_OFFSET(NeedPush, object);
     EXPECT_OFFSET(NeedPush, size);
-    EXPECT_OFFSET(LightPush, view);
+    EXPECT_OFFSET(PlanPush, plan);
+    EXPECT_OFFSET(PlanPush, marks);
+    EXPECT_OFFSET(PlanPush, jobs);
+    EXPECT_OFFSET(PlanPush, tiles);
+    EXPECT_OFFSET(PlanPush, samples);
+    EXPECT_OFFSET(PlanPush, divisor);
+    EXPECT_OFFSET(PlanPush, reach);
+    EXPECT_OFFSET(PlanPush, objectCount);
+    EXPECT_OFFSET(PlanPush, budgetTiles);
+    EXPECT_OFFSET(PlanPush, refreshShare);
+    EXPECT_OFFSET(PlanPush, tolerance);
+    EXPECT_OFFSET(LightPush, jobs);
     EXPECT_OFFSET(LightPush, tiles);
-    EXPECT_OFFSET(LightPush, mip);
-    EXPECT_OFFSET(DrawPush, view);
+    EXPECT_OFFSET(LightPush, job);
     EXPECT_OFFSET(DrawPush, object);
-    EXPECT_OFFSET(DrawPush, filterKind);
+    EXPECT_OFFSET(DrawPush, opacity);
     EXPECT_OFFSET(DrawPush, level);
-    EXPECT_OFFSET(DisplayPush, view);
+    EXPECT_OFFSET(DrawPush, frame);
+    EXPECT_OFFSET(LitPush, draw);
+    EXPECT_OFFSET(LitPush, tiles);
+    EXPECT_OFFSET(LitPush, size);
+    EXPECT_OFFSET(LitPush, level);
+    EXPECT_OFFSET(LitPush, finest);
+    EXPECT_OFFSET(LitPush, anisotropy);
+    EXPECT_OFFSET(LitPush, layer);
+    EXPECT_OFFSET(LitPush, mips);
+    EXPECT_OFFSET(LitPush, tileOffsets);
     EXPECT_OFFSET(DisplayPush, weight);
 }
 
@@ -149,6 +203,9 @@ TEST(SharedStructs, ArrayStridesEqualTheSizes)
     EXPECT_EQ(strides.at("Vertex"), sizeof(shared::Vertex));
     EXPECT_EQ(strides.at("Light"), sizeof(shared::Light));
     EXPECT_EQ(strides.at("Object"), sizeof(shared::Object));
-    EXPECT_EQ(strides.at("Tile"), sizeof(shared::Tile));
+    EXPECT_EQ(strides.at("TileState"), sizeof(shared::TileState));
+    EXPECT_EQ(strides.at("JobTile"), sizeof(shared::JobTile));
+    EXPECT_EQ(strides.at("Mark"), sizeof(shared::Mark));
+    EXPECT_EQ(strides.at("Job"), sizeof(shared::Job));
     EXPECT_EQ(strides.at("Need"), sizeof(shared::Need));
 }

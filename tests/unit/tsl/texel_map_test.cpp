@@ -95,14 +95,6 @@ TEST(TexelMap, GuttersExtendTheNearestChartByTheFilterReach)
     }
 }
 
-TEST(TexelMap, OccupiedTilesAreThoseThatHoldSurface)
-{
-    scene::Mesh mesh;
-    addChart(mesh, 0, 0, 0.125f, 0.125f); // 8 x 8 lumels of 64, with gutters reaching the next tiles
-    const auto tiles = occupiedTiles(makeTexelMap(mesh, {64, 64}), 0);
-    EXPECT_EQ(tiles, (std::vector<glm::uvec2>{{0, 0}, {1, 0}, {0, 1}, {1, 1}}));
-}
-
 TEST(TexelMap, DegenerateTrianglesCoverNothing)
 {
     scene::Mesh mesh;

@@ -1,6 +1,6 @@
 #include "tsl/texture_pool.h"
-#include <algorithm>
 #include <gtest/gtest.h>
+#include <set>
 
 using namespace lumel::tsl;
 
@@ -9,81 +9,113 @@ namespace {
 size_t sumOfBytes(const TexturePool& pool)
 {
     size_t bytes = 0;
-    for (const PoolTexture& t : pool.textures())
-        if (t.alive)
-            bytes += poolTextureBytes(t.size);
+    for (const PoolBlock& block : pool.blocks())
+        if (!block.textures.empty())
+            bytes += TextureLayout(block.size).blockBytes();
     return bytes;
 }
 
-const size_t kBytes64 = poolTextureBytes({64, 64});
+// A class of one texture a block, so that bytes count textures.
+constexpr glm::uvec2 kBig(512);
+const size_t kBigBytes = TextureLayout(kBig).blockBytes();
 
 } // namespace
 
-TEST(TexturePool, CountsTheFullMipChain)
+TEST(TextureLayout, MipsLieBesideEachOtherWithoutOverlap)
 {
-    EXPECT_EQ(poolTextureBytes({1, 1}), 8u);
-    EXPECT_EQ(poolTextureBytes({4, 4}), (16u + 4u + 1u) * 8u);
-    EXPECT_EQ(poolTextureBytes({4, 1}), (4u + 2u + 1u) * 8u);
+    for (const glm::uvec2 size :
+         {glm::uvec2(8), glm::uvec2(64, 16), glm::uvec2(16, 64), glm::uvec2(256, 1)}) {
+        const TextureLayout layout(size);
+        std::set<std::pair<uint32_t, uint32_t>> taken;
+        uint32_t tiles = 0;
+        for (uint32_t mip = 0; mip < layout.mips; ++mip) {
+            const glm::uvec2 origin = lumel::shared::mipOrigin(size, mip);
+            const glm::uvec2 lumels = glm::max(size >> mip, glm::uvec2(1));
+            EXPECT_EQ(layout.tileOffsets[mip], tiles);
+            tiles += (lumels.x + 7) / 8 * ((lumels.y + 7) / 8);
+            for (uint32_t y = 0; y < lumels.y; ++y)
+                for (uint32_t x = 0; x < lumels.x; ++x) {
+                    ASSERT_TRUE(taken.emplace(origin.x + x, origin.y + y).second) << "MIP " << mip;
+                    ASSERT_LT(origin.x + x, layout.extent.x);
+                    ASSERT_LT(origin.y + y, layout.extent.y);
+                }
+        }
+        EXPECT_EQ(layout.tiles, tiles);
+        EXPECT_EQ(glm::max(size >> (layout.mips - 1), glm::uvec2(1)), glm::uvec2(1));
+    }
 }
 
 TEST(TexturePool, AnObjectKeepsItsTextureWhileItsSizeStays)
 {
-    TexturePool pool(10 * kBytes64);
-    const int first = *pool.acquire(7, {64, 64}, 1);
-    const int again = *pool.acquire(7, {64, 64}, 2);
-    EXPECT_EQ(again, first);
-    EXPECT_EQ(pool.usedBytes(), kBytes64);
+    TexturePool pool(10 * kBigBytes);
+    const TextureId first = pool.acquire(7, 0, kBig, 1);
+    EXPECT_EQ(pool.acquire(7, 0, kBig, 2), first);
+    EXPECT_EQ(pool.usedBytes(), kBigBytes);
+    EXPECT_EQ(pool.latestOf(7), first);
+}
+
+TEST(TexturePool, SmallTexturesShareABlock)
+{
+    TexturePool pool(size_t(8) << 20);
+    const TextureId a = pool.acquire(0, 0, {32, 32}, 1);
+    const TextureId b = pool.acquire(1, 0, {32, 32}, 1);
+    EXPECT_EQ(a.block, b.block);
+    EXPECT_NE(a.layer, b.layer);
+    EXPECT_EQ(pool.usedBytes(), TextureLayout({32, 32}).blockBytes());
 }
 
 TEST(TexturePool, TheLeastRecentlyUsedIsTakenOverFirst)
 {
-    TexturePool pool(3 * kBytes64);
-    const int a = *pool.acquire(0, {64, 64}, 1);
-    const int b = *pool.acquire(1, {64, 64}, 2);
-    const int c = *pool.acquire(2, {64, 64}, 3);
-    EXPECT_EQ(*pool.acquire(0, {64, 64}, 4), a); // refreshed
-    EXPECT_EQ(*pool.acquire(3, {64, 64}, 5), b);
-    EXPECT_EQ(*pool.acquire(4, {64, 64}, 6), c);
-    EXPECT_EQ(pool.usedBytes(), 3 * kBytes64);
+    TexturePool pool(3 * kBigBytes);
+    const TextureId a = pool.acquire(0, 0, kBig, 1);
+    const TextureId b = pool.acquire(1, 0, kBig, 2);
+    const TextureId c = pool.acquire(2, 0, kBig, 3);
+    EXPECT_EQ(pool.acquire(0, 0, kBig, 4), a); // refreshed
+    EXPECT_EQ(pool.acquire(3, 0, kBig, 5), b);
+    EXPECT_EQ(pool.acquire(4, 0, kBig, 6), c);
+    EXPECT_EQ(pool.usedBytes(), 3 * kBigBytes);
+    EXPECT_FALSE(pool.latestOf(1));
 }
 
 TEST(TexturePool, WhatThisFrameUsesIsNeverTakenAway)
 {
-    TexturePool pool(2 * kBytes64);
-    ASSERT_TRUE(pool.acquire(0, {64, 64}, 1));
-    ASSERT_TRUE(pool.acquire(1, {64, 64}, 1));
-    EXPECT_FALSE(pool.acquire(2, {64, 64}, 1));
-    EXPECT_FALSE(pool.acquire(3, {32, 32}, 1));
-    EXPECT_TRUE(pool.acquire(2, {64, 64}, 2));
+    TexturePool pool(2 * kBigBytes);
+    ASSERT_TRUE(pool.acquire(0, 0, kBig, 1));
+    ASSERT_TRUE(pool.acquire(1, 0, kBig, 1));
+    EXPECT_FALSE(pool.acquire(2, 0, kBig, 1));
+    EXPECT_FALSE(pool.acquire(3, 0, {32, 32}, 1));
+    EXPECT_TRUE(pool.acquire(2, 0, kBig, 2));
 }
 
 TEST(TexturePool, OtherClassesGiveUpMemoryWhenTheCapBinds)
 {
-    TexturePool pool(poolTextureBytes({128, 128}));
-    for (int i = 0; i < 4; ++i)
-        ASSERT_TRUE(pool.acquire(i, {64, 64}, 1));
-    ASSERT_TRUE(pool.acquire(9, {128, 128}, 2));
+    TexturePool pool(TextureLayout({1024, 1024}).blockBytes());
+    for (int i = 0; i < 3; ++i)
+        ASSERT_TRUE(pool.acquire(i, 0, kBig, 1));
+    ASSERT_TRUE(pool.acquire(9, 0, {1024, 1024}, 2));
     EXPECT_LE(pool.usedBytes(), pool.capBytes());
     EXPECT_EQ(pool.usedBytes(), sumOfBytes(pool));
+    EXPECT_FALSE(pool.latestOf(0));
 }
 
 TEST(TexturePool, NeverPassesTheCapOverManyFrames)
 {
-    TexturePool pool(20 * kBytes64);
+    TexturePool pool(20 * kBigBytes);
     uint32_t random = 1;
     for (uint64_t frame = 1; frame < 500; ++frame) {
-        std::vector<int> owned;
-        for (int object = 0; object < 30; ++object) {
+        std::set<std::pair<int, uint32_t>> owned;
+        for (int object = 0; object < 60; ++object) {
             random = random * 1664525u + 1013904223u;
             if (random >> 30 != 0)
                 continue;
-            const uint32_t side = 8u << ((random >> 8) % 5);
-            if (const auto texture = pool.acquire(object, {side, side}, frame))
-                owned.push_back(*texture);
+            const uint32_t side = 32u << ((random >> 8) % 6);
+            if (const TextureId texture = pool.acquire(object, 0, {side, side}, frame)) {
+                // No texture drawn by two objects of one frame.
+                ASSERT_TRUE(owned.emplace(texture.block, texture.layer).second);
+                ASSERT_EQ(pool.texture(texture).owner, object);
+            }
             ASSERT_LE(pool.usedBytes(), pool.capBytes());
             ASSERT_EQ(pool.usedBytes(), sumOfBytes(pool));
         }
-        std::sort(owned.begin(), owned.end()); // no texture drawn by two objects of one frame
-        ASSERT_EQ(std::adjacent_find(owned.begin(), owned.end()), owned.end());
     }
 }
