@@ -56,7 +56,7 @@ OIIO::ImageSpec makeSpec(const ReflectanceMips& mips, int width, int height, boo
     spec.alpha_channel = -1;
     spec.z_channel = -1;
     spec.tile_width = spec.tile_height = kTileSize;
-    spec.attribute("compression", "rle"); // zip takes as long as the fit, for files 20 to 45 % smaller
+    spec.attribute("compression", "rle");              // zip: 15 % more time, files 25 to 45 % smaller
     spec.attribute("textureformat", "Plain Texture");  // asks OpenImageIO for MIPMAP_LEVELS
     spec.attribute("DateTime", "1970:01:01 00:00:00"); // the same chain is the same file
     spec.attribute("lumel:model", mips.model);
