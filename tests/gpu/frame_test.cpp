@@ -219,6 +219,28 @@ TEST_F(FrameTest, AnOrbitLightsAPartAndStaysNearTheTruth)
               1.1 * compareImages(lightingAll.readDisplay(), truth.display).rmse);
 }
 
+TEST_F(FrameTest, ADollyThroughLevelsDoesNotJump)
+{
+    const TestScene s = sphereScene(bumpyMaps(256, 1.0f, 60.0f));
+    Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
+    std::vector<double> changes;
+    Image before;
+    for (int i = 0; i < 100; ++i) {
+        renderer.render(
+            cameraAt({0.0f, 0.3f, 9.0f * std::pow(0.988f, float(i))})); // 9 m to 2.7 m: two levels
+        const Image now = renderer.readDisplay();
+        if (i > 0)
+            changes.push_back(compareImages(before, now).rmse);
+        before = now;
+    }
+    // The sphere grows, and with it what a step of the camera changes: compare with the frames around.
+    for (size_t i = 5; i + 5 < changes.size(); ++i) {
+        std::vector<double> around(changes.begin() + long(i) - 5, changes.begin() + long(i) + 6);
+        std::nth_element(around.begin(), around.begin() + 5, around.end());
+        EXPECT_LT(changes[i], 2.0 * around[5]) << "frame " << i + 1;
+    }
+}
+
 TEST_F(FrameTest, AMovedLightOrObjectIsLitAnew)
 {
     TestScene s = sphereScene(plainMaps());
