@@ -48,6 +48,11 @@ const std::map<std::string, DrawFilter> kDrawFilters = {{"bilinear", DrawFilter:
                                                         {"catmull-rom-16", DrawFilter::catmullRomExact}};
 const std::map<std::string, scene::Path> kPaths = {
     {"still", scene::Path::still}, {"orbit", scene::Path::orbit}, {"dolly", scene::Path::dolly}};
+const std::map<std::string, View> kViews = {
+    {"level", View::level},     {"age", View::age},           {"lit", View::lit},
+    {"density", View::density}, {"mode", View::mode},         {"charts", View::charts},
+    {"normal", View::normal},   {"power", View::power},       {"anisotropy", View::anisotropy},
+    {"diffuse", View::diffuse}, {"specular", View::specular}, {"error", View::error}};
 const std::map<std::string, baker::Wrap> kWraps = {{"repeat", baker::Wrap::repeat},
                                                    {"clamp", baker::Wrap::clamp}};
 
@@ -186,6 +191,11 @@ void addShot(CLI::App& app, ShotArguments& a)
     command->add_option("--shading", a.settings.shading, "tsl, forward or reference")
         ->transform(CLI::CheckedTransformer(kShadings).description(""))
         ->default_str("tsl");
+    command
+        ->add_option("--view", a.settings.view,
+                     "show in place of the picture: level, age, lit, density, mode, charts, normal, power, "
+                     "anisotropy, diffuse, specular or error")
+        ->transform(CLI::CheckedTransformer(kViews).description(""));
     command->add_option("--filter", a.filter, kMethodHelp)
         ->transform(CLI::CheckedTransformer(kMethods).description(""))
         ->default_str("fit");

@@ -21,6 +21,12 @@ DrawPass::DrawPass(const gpu::Device& device, const Settings& settings, const Gp
     forward_ = gpu::makeGraphicsPipeline(device, info);
     info.blend = true;
     blended_ = gpu::makeGraphicsPipeline(device, info);
+    if (settings.view == View::none)
+        return;
+    info.fragment = "view.frag";
+    info.pushBytes = sizeof(shared::ViewPush);
+    info.blend = false;
+    view_ = gpu::makeGraphicsPipeline(device, info);
 }
 
 void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
@@ -57,6 +63,17 @@ void DrawPass::drawForward(Frame& frame, size_t object, float opacity)
                                    .level = frame.settings.shading == Shading::reference ? 0.0f : -1.0f,
                                    .frame = frame.index});
     frame.scene.drawTriangles(commands, object);
+}
+
+void DrawPass::drawView(Frame& frame, size_t object)
+{
+    bindSets(frame, vk::PipelineBindPoint::eGraphics, view_, {*frame.scene.objects()[object].material->set});
+    pushConstants(
+        frame.commands, view_,
+        shared::ViewPush{
+            .draw = {.object = uint32_t(object), .opacity = 1.0f, .level = -1.0f, .frame = frame.index},
+            .kind = uint32_t(frame.settings.view)});
+    frame.scene.drawTriangles(frame.commands, object);
 }
 
 void DrawPass::record(Frame& frame, const LitPool& pool)
@@ -106,7 +123,9 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
         if (!frame.inView[i])
             continue;
         const bool lit = frame.settings.shading == Shading::tsl && i < rooms.size() && rooms[i].texture;
-        if (objects[i].blend) {
+        if (frame.settings.view != View::none) {
+            drawView(frame, i);
+        } else if (objects[i].blend) {
             const glm::vec3 centre =
                 objects[i].data.worldFromObject * glm::vec4(objects[i].bounds.centre(), 1.0f);
             blended.emplace_back(glm::distance(centre, frame.eye), i);

@@ -14,7 +14,8 @@ private:
     void drawLit(Frame& frame, const LitPool& pool, size_t object);
     // opacity < 1: over what is there.
     void drawForward(Frame& frame, size_t object, float opacity);
-    gpu::Pipeline lit_, forward_, blended_;
+    void drawView(Frame& frame, size_t object);
+    gpu::Pipeline lit_, forward_, blended_, view_;
 };
 
 } // namespace lumel

@@ -8,7 +8,25 @@ namespace lumel {
 enum class Shading { tsl, forward, reference };
 enum class DrawFilter { bilinear, bspline, catmullRom, catmullRomExact }; // same order as kFilter...
 
+// What is shown in place of the picture; same order as kView...
+enum class View {
+    none,
+    level,
+    age,
+    lit,
+    density,
+    mode,
+    charts,
+    normal,
+    power,
+    anisotropy,
+    diffuse,
+    specular,
+    error
+};
+
 struct Settings {
+    View view = View::none;
     Shading shading = Shading::tsl;
     glm::uvec2 size{960, 540};
     DrawFilter filter = DrawFilter::catmullRom;

@@ -236,6 +236,26 @@ LUMEL_CONST uint kFilterBspline = 1u;
 LUMEL_CONST uint kFilterCatmullRom = 2u;      // 5 taps
 LUMEL_CONST uint kFilterCatmullRomExact = 3u; // 16 taps
 
+// What view.frag shows in place of the picture.
+LUMEL_CONST uint kViewNone = 0u;
+LUMEL_CONST uint kViewLevel = 1u;
+LUMEL_CONST uint kViewAge = 2u;
+LUMEL_CONST uint kViewLit = 3u;
+LUMEL_CONST uint kViewDensity = 4u;
+LUMEL_CONST uint kViewMode = 5u;
+LUMEL_CONST uint kViewCharts = 6u;
+LUMEL_CONST uint kViewNormal = 7u;
+LUMEL_CONST uint kViewPower = 8u;
+LUMEL_CONST uint kViewAnisotropy = 9u;
+LUMEL_CONST uint kViewDiffuse = 10u;
+LUMEL_CONST uint kViewSpecular = 11u;
+LUMEL_CONST uint kViewError = 12u;
+
+struct ViewPush {
+    DrawPush draw; // for the vertex shader
+    uint kind;     // kView...
+};
+
 struct DisplayPush {
     float weight; // of the accumulated sum: 1 / samples
 };

@@ -241,6 +241,29 @@ TEST_F(FrameTest, ADollyThroughLevelsDoesNotJump)
     }
 }
 
+TEST_F(FrameTest, ViewsShowWhatTheySay)
+{
+    const TestScene s = sphereScene(plainMaps({0.5f, 0.1f, 0.1f}));
+    const auto centreOf = [&](View view, Shading shading) {
+        Settings settings = settingsFor(shading);
+        settings.view = view;
+        const Picture picture = shoot(s, cameraAt({0.0f, 0.0f, 3.5f}), settings);
+        const float* pixel = picture.radiance.at(80, 45);
+        return glm::vec3(pixel[0], pixel[1], pixel[2]);
+    };
+    const glm::vec3 diffuse = centreOf(View::diffuse, Shading::tsl);
+    EXPECT_NEAR(diffuse.r, 0.5f, 0.01f);
+    EXPECT_NEAR(diffuse.g, 0.1f, 0.01f);
+    const glm::vec3 tsl = centreOf(View::mode, Shading::tsl),
+                    forward = centreOf(View::mode, Shading::forward);
+    EXPECT_GT(tsl.g, tsl.r);
+    EXPECT_LT(forward.g, forward.r);
+    const glm::vec3 lit = centreOf(View::lit, Shading::tsl); // all of a first frame
+    EXPECT_GT(lit.r, 2.0f * lit.g);
+    const glm::vec3 normal = centreOf(View::normal, Shading::tsl);
+    EXPECT_GT(normal.b, normal.r);
+}
+
 TEST_F(FrameTest, AMovedLightOrObjectIsLitAnew)
 {
     TestScene s = sphereScene(plainMaps());

@@ -194,6 +194,8 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(LitPush, layer);
     EXPECT_OFFSET(LitPush, mips);
     EXPECT_OFFSET(LitPush, tileOffsets);
+    EXPECT_OFFSET(ViewPush, draw);
+    EXPECT_OFFSET(ViewPush, kind);
     EXPECT_OFFSET(DisplayPush, weight);
 }
 

@@ -1,0 +1,84 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// What lies behind the picture, as colours: one quantity of the material or of the lit texture, by push.kind.
+#include "lib/footprint.glsl"
+#include "lib/surface.glsl"
+#include "lib/tiles.glsl"
+
+layout(push_constant, scalar) uniform Constants { ViewPush push; };
+layout(location = 0) in vec3 positionInWorld;
+layout(location = 1) in vec3 normalInWorld;
+layout(location = 3) in vec2 uv;
+layout(location = 0) out vec4 colour;
+
+// 0 to 1 as blue, green, yellow, red.
+vec3 heat(float t)
+{
+    t = clamp(t, 0.0, 1.0);
+    return 0.7 * clamp(vec3(3.0 * t - 1.0, 1.5 - abs(3.0 * t - 1.5), 1.0 - 3.0 * t) + vec3(0.0, 0.2, 0.1), 0.0, 1.0);
+}
+
+vec3 tileView(ObjectAt object, float level)
+{
+    uint mips = clamp(object.at.mips, 1u, kMaxLevels);
+    uint mip = min(uint(mipPosition(object, level)), mips - 1u);
+    vec2 size = vec2(mipSize(object, mip));
+    uvec2 tile = uvec2(clamp(uv * size, vec2(0.0), size - 1.0)) / kTileSize;
+    TileState state = object.at.tiles.at[tileIndex(object, mip, tile)];
+    float checker = ((tile.x + tile.y) & 1u) == 0u ? 1.0 : 0.8;
+    if (push.kind == kViewLit) // red: lit in this frame; grey: kept
+        return checker * (state.lit == view.frame ? vec3(0.7, 0.15, 0.1) : vec3(0.25));
+    if (push.kind == kViewAge)
+        return checker * (state.lit == 0u ? vec3(0.6, 0.0, 0.6) : heat(float(view.frame - state.lit) / 32.0));
+    return checker * heat(float(object.at.litLevel + mip) / 10.0); // kViewLevel
+}
+
+// Texture coordinates as a fine checker: it breaks where charts meet. Gutters that show are white.
+vec3 chartView(ObjectAt object)
+{
+    uvec2 lumel = min(uvec2(uv * vec2(object.at.litSize)), object.at.litSize - 1u);
+    if (texelAt(object, 0u, lumel) >> kTexelCoverageShift == 0u)
+        return vec3(0.9);
+    bool light = ((lumel.x / 32u + lumel.y / 32u) & 1u) == 0u;
+    return (light ? 0.6 : 0.35) * vec3(uv, 0.4);
+}
+
+vec3 lobeView(MaterialTexel material)
+{
+    // Powers are the precision's eigenvalues: 1 / those of S.
+    float mean = 0.5 * (material.covariance.x + material.covariance.z);
+    float spread = length(vec2(0.5 * (material.covariance.x - material.covariance.z), material.covariance.y));
+    if (push.kind == kViewPower)
+        return heat(log2(1.0 / max(mean, 1e-5)) / log2(kMaxPower));
+    return heat(0.25 * log2((mean + spread) / max(mean - spread, 1e-6))); // kViewAnisotropy: 1 to 16
+}
+
+void main()
+{
+    ObjectAt object = objectAt(push.draw.object);
+    Footprint material = footprintOf(dFdx(uv), dFdy(uv), vec2(textureSize(mapNormal, 0)), 1.0);
+    Footprint lit = footprintOf(dFdx(uv), dFdy(uv), vec2(object.at.litSize), view.anisotropy);
+    MaterialTexel texel = sampleMaterial(uv, max(material.level, 0.0));
+    bool inTextureSpace = object.at.mips > 0u;
+    vec3 shown = vec3(0.0);
+    if (push.kind == kViewMode) // green: texture space, red: forward
+        shown = inTextureSpace ? vec3(0.1, 0.5, 0.15) : vec3(0.6, 0.15, 0.1);
+    else if (push.kind == kViewDensity) // lumels a pixel across, 1/4 to 4; green is 1
+        shown = heat(0.5 + 0.25 * (lit.level - max(lit.level + view.levelOffset, 0.0)));
+    else if (push.kind == kViewCharts)
+        shown = inTextureSpace ? chartView(object) : vec3(0.2);
+    else if (push.kind == kViewNormal)
+        shown = 0.7 * (0.5 + 0.5 * vec3(texel.normal, sqrt(max(1.0 - dot(texel.normal, texel.normal), 0.0))));
+    else if (push.kind == kViewDiffuse)
+        shown = texel.diffuse;
+    else if (push.kind == kViewSpecular)
+        shown = texel.specular;
+    else if (push.kind == kViewError)
+        shown = heat(textureLod(mapDiffuse, uv, max(material.level, 0.0)).w / 0.25);
+    else if (push.kind == kViewPower || push.kind == kViewAnisotropy)
+        shown = lobeView(texel);
+    else
+        shown = inTextureSpace ? tileView(object, lit.level + view.levelOffset) : vec3(0.05);
+    float facing = abs(dot(normalize(normalInWorld), normalize(view.eyeInWorld - positionInWorld)));
+    colour = vec4(shown * (0.6 + 0.4 * facing), 1.0);
+}
