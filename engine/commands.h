@@ -26,21 +26,26 @@ struct BakeArguments {
 // Throws Error naming what failed when a manifest's entries do.
 void runBake(const BakeArguments& arguments);
 
-struct ShotArguments {
-    std::filesystem::path scene, output, stats;
+// What is rendered, from where and how.
+struct SceneArguments {
+    std::filesystem::path scene;
     Settings settings;
     std::string camera; // name or index; empty = the first, or one that frames the scene
     std::optional<glm::vec3> eye, target;
     float fovDegrees = 40.0f; // vertical, with eye and target
-    int frames = 1;
-    scene::Path path = scene::Path::still;
-    std::optional<double> step; // degrees or percent a frame; none = the path's usual one
-    int lights = 0;             // 0 = the scene's
+    int lights = 0;           // 0 = the scene's
     baker::Method filter = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;
     bool useCache = true;
     int threads = 0;
     gpu::DeviceOptions device;
+};
+
+struct ShotArguments : SceneArguments {
+    std::filesystem::path output, stats;
+    int frames = 1;
+    scene::Path path = scene::Path::still;
+    std::optional<double> step; // degrees or percent a frame; none = the path's usual one
 };
 void runShot(const ShotArguments& arguments);
 

@@ -1,0 +1,152 @@
+#include "options.h"
+#include "shared/structs.h"
+
+namespace lumel {
+
+const std::map<std::string, scene::Path> kPaths = {
+    {"still", scene::Path::still}, {"orbit", scene::Path::orbit}, {"dolly", scene::Path::dolly}};
+
+namespace {
+
+// "960x540" -> two numbers; CLI11 reports the returned text.
+std::string parseSize(const std::string& text, glm::uvec2& size)
+{
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%ux%u%n", &size.x, &size.y, &used) != 2 || size_t(used) != text.size() ||
+        size.x < 1 || size.y < 1 || size.x > 8192 || size.y > 8192)
+        return "--size " + text + ": write WIDTHxHEIGHT, each 1 to 8192";
+    return {};
+}
+
+std::string parsePoint(const std::string& text, std::optional<glm::vec3>& point)
+{
+    glm::vec3 p;
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%f,%f,%f%n", &p.x, &p.y, &p.z, &used) != 3 || size_t(used) != text.size())
+        return text + ": write x,y,z in metres";
+    point = p;
+    return {};
+}
+
+const std::map<std::string, Shading> kShadings = {
+    {"tsl", Shading::tsl}, {"forward", Shading::forward}, {"reference", Shading::reference}};
+const std::map<std::string, DrawFilter> kDrawFilters = {{"bilinear", DrawFilter::bilinear},
+                                                        {"b-spline", DrawFilter::bspline},
+                                                        {"catmull-rom", DrawFilter::catmullRom},
+                                                        {"catmull-rom-16", DrawFilter::catmullRomExact}};
+const std::map<std::string, View> kViews = {
+    {"level", View::level},     {"age", View::age},           {"lit", View::lit},
+    {"density", View::density}, {"mode", View::mode},         {"charts", View::charts},
+    {"normal", View::normal},   {"power", View::power},       {"anisotropy", View::anisotropy},
+    {"diffuse", View::diffuse}, {"specular", View::specular}, {"error", View::error}};
+
+void addDeviceOptions(CLI::App* command, SceneArguments& a)
+{
+    command->add_option("--device", a.device.device, "Vulkan device, by index or part of its name");
+    command->add_flag("--validate", a.device.validation,
+                      "run under Vulkan validation; a message is a failure");
+}
+
+void addCamera(CLI::App* command, SceneArguments& a)
+{
+    command->add_option("--camera", a.camera, "camera of the file, by name or index");
+    const auto addPoint = [&](const char* name, std::optional<glm::vec3>& point, const char* what) {
+        command->add_option_function<std::string>(
+            name,
+            [&point](const std::string& text) {
+                if (const auto error = parsePoint(text, point); !error.empty())
+                    throw CLI::ValidationError(error);
+            },
+            what);
+    };
+    addPoint("--eye", a.eye, "camera position x,y,z");
+    addPoint("--target", a.target, "point to look at x,y,z");
+    command->add_option("--fov", a.fovDegrees, "vertical field of view in degrees, with --eye")
+        ->check(CLI::Range(1.0, 170.0))
+        ->capture_default_str();
+}
+
+} // namespace
+
+void addSceneOptions(CLI::App* command, SceneArguments& a)
+{
+    command
+        ->add_option_function<std::string>(
+            "--size",
+            [&a](const std::string& text) {
+                if (const auto error = parseSize(text, a.settings.size); !error.empty())
+                    throw CLI::ValidationError(error);
+            },
+            "picture size")
+        ->default_str("960x540");
+    addCamera(command, a);
+    command
+        ->add_option("--lights", a.lights,
+                     "light the scene by N point and spot lights around it in place of its own")
+        ->check(CLI::Range(1u, shared::kMaxLights));
+    command->add_option("--shading", a.settings.shading, "tsl, forward or reference")
+        ->transform(CLI::CheckedTransformer(kShadings).description(""))
+        ->default_str("tsl");
+    command
+        ->add_option("--view", a.settings.view,
+                     "show in place of the picture: level, age, lit, density, mode, charts, normal, power, "
+                     "anisotropy, diffuse, specular or error")
+        ->transform(CLI::CheckedTransformer(kViews).description(""));
+    command->add_option("--filter", a.filter, kMethodHelp)
+        ->transform(CLI::CheckedTransformer(kMethods).description(""))
+        ->default_str("fit");
+    command->add_option("--model", a.model, "lobe of materials: ashikhmin-shirley or blinn-phong")
+        ->transform(CLI::CheckedTransformer(kModels).description(""))
+        ->default_str("ashikhmin-shirley");
+    command->add_option("--samples", a.settings.samples, "reference: samples a pixel")
+        ->check(CLI::Range(1, 65536))
+        ->capture_default_str();
+    command
+        ->add_option("--draw-filter", a.settings.filter,
+                     "tsl: bilinear, b-spline, catmull-rom or catmull-rom-16")
+        ->transform(CLI::CheckedTransformer(kDrawFilters).description(""));
+    command
+        ->add_option("--level-offset", a.settings.levelOffset,
+                     "tsl: levels that lumels are coarser than one a pixel, at least")
+        ->check(CLI::Range(-2.0, 8.0))
+        ->capture_default_str();
+    command
+        ->add_option("--lumels-per-pixel", a.settings.lumelsPerPixel,
+                     "tsl: everything gets coarser before a view needs more lumels a covered pixel")
+        ->check(CLI::Range(0.1, 64.0))
+        ->capture_default_str();
+    command->add_option("--lumel-budget", a.settings.lumelBudget, "tsl: lumels lit a frame; the others wait")
+        ->check(CLI::Range(64u, ~0u))
+        ->default_str("unlimited");
+    command
+        ->add_option("--refresh-share", a.settings.refreshShare,
+                     "tsl: share of the visible lumels lit again a frame because the camera moved")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    command
+        ->add_option("--tolerance", a.settings.tolerance,
+                     "tsl: keep lumels expected to change by less than this display value")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    command->add_option("--anisotropy", a.settings.anisotropy, "tsl: most taps along a footprint")
+        ->check(CLI::Range(1.0, 16.0))
+        ->capture_default_str();
+    command->add_option("--msaa", a.settings.msaa, "coverage samples of tsl and forward")
+        ->check(CLI::IsMember({1, 4}))
+        ->capture_default_str();
+    command->add_option("--exposure", a.settings.exposure, "display: multiplies radiance")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    command
+        ->add_option_function<size_t>(
+            "--pool-mb", [&a](size_t mb) { a.settings.poolBytes = mb << 20; },
+            "cap of the lit textures' memory")
+        ->check(CLI::Range(1, 65536))
+        ->default_str("256");
+    command->add_flag("!--no-cache", a.useCache, "bake materials anew, do not touch the cache");
+    command->add_option("--threads", a.threads, "threads of the baker, 0 = all cores")
+        ->check(CLI::Range(0, 1024));
+    addDeviceOptions(command, a);
+}
+
+} // namespace lumel
