@@ -107,6 +107,14 @@ std::vector<FrameStats> renderFrames(const ShotArguments& arguments, const scene
     return frames;
 }
 
+std::vector<ObjectStats> objectsOf(const scene::Scene& scene, const Renderer& renderer)
+{
+    std::vector<ObjectStats> objects = renderer.objectStats();
+    for (size_t i = 0; i < objects.size(); ++i)
+        objects[i].name = scene.objects[i].name;
+    return objects;
+}
+
 RunInfo describeRun(const ShotArguments& arguments, const scene::Camera& camera, const gpu::Device& device)
 {
     RunInfo run{.version = LUMEL_VERSION,
@@ -177,7 +185,9 @@ void runShot(const ShotArguments& arguments)
     const std::vector<FrameStats> frames = renderFrames(arguments, camera, files, renderer);
     const RunInfo run = describeRun(arguments, camera, device);
     if (!arguments.stats.empty())
-        writeFileAtomically(arguments.stats, statsJson(run, frames).dump(1) + "\n");
+        writeFileAtomically(
+            arguments.stats,
+            statsJson(run, frames, objectsOf(scene, renderer), renderer.lumelsByTileSize()).dump(1) + "\n");
     printSummary(arguments, run, camera.name, frames);
     if (!device.validationMessages().empty())
         throw Error(

@@ -64,6 +64,7 @@ void Renderer::assignRoom(Frame& frame)
     rooms_.assign(pool_.bookkeeping(), frame.needs, frame.index);
     pool_.update();
     plan_.prepare(frame, pool_);
+    knownNeeds_ = frame.needs;
     known_ = {};
     for (size_t i = 0; i < frame.needs.size(); ++i)
         if (rooms_.objects()[i].texture)
@@ -192,7 +193,29 @@ FrameStats Renderer::render(const scene::Camera& camera)
         const bool lit = i < rooms_.objects().size() && rooms_.objects()[i].texture;
         ++(frame.inView[i] ? (lit ? stats_.objectsTsl : stats_.objectsForward) : stats_.objectsCulled);
     }
+    inView_ = frame.inView;
     return stats_;
+}
+
+std::vector<ObjectStats> Renderer::objectStats() const
+{
+    std::vector<ObjectStats> objects(inView_.size());
+    for (size_t i = 0; i < objects.size(); ++i) {
+        const bool lit = i < rooms_.objects().size() && rooms_.objects()[i].texture;
+        objects[i].mode = !inView_[i] ? "culled" : lit ? "tsl" : "forward";
+        if (i >= knownNeeds_.size() || !knownNeeds_[i].visible)
+            continue;
+        objects[i].level = knownNeeds_[i].level;
+        objects[i].pixels = size_t(knownNeeds_[i].samples) * need_.divisor() * need_.divisor();
+    }
+    return objects;
+}
+
+std::map<uint32_t, size_t> Renderer::lumelsByTileSize() const
+{
+    if (settings_.shading != Shading::tsl)
+        return {};
+    return plan_.lumelsByTileSize(device_);
 }
 
 Image Renderer::readRadiance() const

@@ -24,6 +24,10 @@ public:
         scene_.moveObject(object, worldFromObject, frameIndex_ + 1);
     }
 
+    // Of the last frame, in the scene's order; without names.
+    std::vector<ObjectStats> objectStats() const;
+    std::map<uint32_t, size_t> lumelsByTileSize() const; // texture space only, see PlanPass
+
     Image readRadiance() const; // RGB, linear, after render()
     Image readDisplay() const;  // RGB, sRGB-encoded display values in [0, 1]
 
@@ -60,6 +64,8 @@ private:
     bool offsetSettled_ = true;
     uint32_t offsetsSeen_ = 0; // of the need pass's cycle, in this very view
     size_t lumelsPending_ = 0;
+    std::vector<tsl::ObjectNeed> knownNeeds_;
+    std::vector<uint8_t> inView_;
     FrameStats known_; // marks and pixels
 };
 

@@ -38,7 +38,7 @@ const std::map<std::string, View> kViews = {
     {"level", View::level},     {"age", View::age},           {"lit", View::lit},
     {"density", View::density}, {"mode", View::mode},         {"charts", View::charts},
     {"normal", View::normal},   {"power", View::power},       {"anisotropy", View::anisotropy},
-    {"diffuse", View::diffuse}, {"specular", View::specular}, {"error", View::error}};
+    {"diffuse", View::diffuse}, {"specular", View::specular}, {"error", View::error}, {"overshading", View::overshading}, {"pool", View::pool}};
 
 void addDeviceOptions(CLI::App* command, SceneArguments& a)
 {
@@ -89,8 +89,8 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
         ->default_str("tsl");
     command
         ->add_option("--view", a.settings.view,
-                     "show in place of the picture: level, age, lit, density, mode, charts, normal, power, "
-                     "anisotropy, diffuse, specular or error")
+                     "show in place of the picture: level, age, lit, density, overshading, pool, mode, charts, "
+                     "normal, power, anisotropy, diffuse, specular or error")
         ->transform(CLI::CheckedTransformer(kViews).description(""));
     command->add_option("--filter", a.filter, kMethodHelp)
         ->transform(CLI::CheckedTransformer(kMethods).description(""))

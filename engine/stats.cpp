@@ -40,7 +40,8 @@ double percentile(const std::vector<double>& sorted, double p)
 
 } // namespace
 
-json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames)
+json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames,
+               const std::vector<ObjectStats>& objects, const std::map<uint32_t, size_t>& lumelsByTileSize)
 {
     json list = json::array();
     std::vector<double> sorted;
@@ -59,10 +60,28 @@ json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames)
                    {"p99_ms", percentile(sorted, 0.99)},
                    {"max_ms", sorted.back()},
                    {"missed", 0}}; // frames over the budget; there is none yet
-    return {{"schema", 1},          {"version", run.version}, {"options", run.options},
-            {"device", run.device}, {"driver", run.driver},   {"size", {run.width, run.height}},
-            {"scene", run.scene},   {"shading", run.shading}, {"filter", run.filter},
-            {"frames", list},       {"summary", summary}};
+    json table = json::array();
+    for (const ObjectStats& o : objects)
+        table.push_back({{"name", o.name},
+                         {"mode", o.mode},
+                         {"level", o.level ? json(*o.level) : json(nullptr)},
+                         {"pixels", o.pixels}});
+    json tileSizes = json::object();
+    for (const auto& [side, lumels] : lumelsByTileSize)
+        tileSizes[std::to_string(side)] = lumels;
+    return {{"schema", 1},
+            {"version", run.version},
+            {"options", run.options},
+            {"device", run.device},
+            {"driver", run.driver},
+            {"size", {run.width, run.height}},
+            {"scene", run.scene},
+            {"shading", run.shading},
+            {"filter", run.filter},
+            {"frames", list},
+            {"summary", summary},
+            {"objects", table},
+            {"lumels_by_tile_size", tileSizes}};
 }
 
 } // namespace lumel

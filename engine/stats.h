@@ -1,8 +1,10 @@
 // What a frame did and what it cost; `--stats` and `bench --json` write it in one schema (README).
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,14 @@ struct FrameStats {
     float levelBias = 0.0f, levelOffset = 0.0f;
 };
 
+// One object in a frame.
+struct ObjectStats {
+    std::string name;
+    std::string mode;           // tsl, forward or culled
+    std::optional<float> level; // the finest of its lumel grid that the view needs; nothing: no sample saw it
+    size_t pixels = 0;          // that it covers, from the need pass: a multiple of 16
+};
+
 // What a run was: the head of the JSON.
 struct RunInfo {
     std::string version, device, driver, scene, shading, filter;
@@ -27,6 +37,9 @@ struct RunInfo {
     std::map<std::string, std::string> options; // what else the picture depends on
 };
 
-nlohmann::json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames);
+// objects: of the last frame, empty where they were not asked for.
+nlohmann::json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames,
+                         const std::vector<ObjectStats>& objects = {},
+                         const std::map<uint32_t, size_t>& lumelsByTileSize = {});
 
 } // namespace lumel

@@ -26,6 +26,11 @@ vec3 tileView(ObjectAt object, float level)
     uvec2 tile = uvec2(clamp(uv * size, vec2(0.0), size - 1.0)) / kTileSize;
     TileState state = object.at.tiles.at[tileIndex(object, mip, tile)];
     float checker = ((tile.x + tile.y) & 1u) == 0u ? 1.0 : 0.8;
+    if (push.kind == kViewOvershading) { // lumels lit in this frame for each pixel, 0 to 8; dark: none
+        vec2 dx = dFdx(uv) * size, dy = dFdy(uv) * size;
+        float lumels = state.lit == view.frame ? abs(dx.x * dy.y - dx.y * dy.x) : 0.0;
+        return lumels == 0.0 ? vec3(0.05) : checker * heat(0.25 * log2(1.0 + 2.0 * lumels));
+    }
     if (push.kind == kViewLit) // red: lit in this frame; grey: kept
         return checker * (state.lit == view.frame ? vec3(0.7, 0.15, 0.1) : vec3(0.25));
     if (push.kind == kViewAge)

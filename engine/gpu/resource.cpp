@@ -101,6 +101,19 @@ Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
     return image;
 }
 
+std::vector<std::byte> readBack(const Device& device, const Buffer& buffer, size_t bytes)
+{
+    if (bytes == 0)
+        return {};
+    const Buffer staging(device, bytes, Buffer::Home::host, "read back");
+    device.runOnce([&](vk::CommandBuffer commands) {
+        commands.copyBuffer(buffer.handle(), staging.handle(), vk::BufferCopy{.size = bytes});
+        memoryBarrier(commands, Use::transferWrite, Use::hostRead);
+    });
+    const auto* data = staging.mapped<std::byte>();
+    return {data, data + bytes};
+}
+
 std::vector<std::byte> readBack(const Device& device, const Image& image, size_t bytesPerTexel,
                                 vk::ImageLayout from)
 {

@@ -75,6 +75,9 @@ private:
 Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
                       const std::vector<std::vector<uint16_t>>& levels, const std::string& name);
 
+// Reads a buffer's first bytes back.
+std::vector<std::byte> readBack(const Device& device, const Buffer& buffer, size_t bytes);
+
 // Reads mip 0, layer 0 of an image in use `from` back into tightly packed texels and leaves it in that use.
 std::vector<std::byte> readBack(const Device& device, const Image& image, size_t bytesPerTexel,
                                 vk::ImageLayout from);

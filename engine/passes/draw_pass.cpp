@@ -23,9 +23,14 @@ DrawPass::DrawPass(const gpu::Device& device, const Settings& settings, const Gp
     blended_ = gpu::makeGraphicsPipeline(device, info);
     if (settings.view == View::none)
         return;
-    info.fragment = "view.frag";
-    info.pushBytes = sizeof(shared::ViewPush);
+    const bool showsPool = settings.view == View::pool;
+    info.fragment = showsPool ? "pool.frag" : "view.frag";
+    info.pushBytes = showsPool ? sizeof(shared::PoolPush) : sizeof(shared::ViewPush);
     info.blend = false;
+    if (showsPool) {
+        info.vertex = "pool.vert";
+        info.sets = {*scene.frameLayout(), *pool.layout()};
+    }
     view_ = gpu::makeGraphicsPipeline(device, info);
 }
 
@@ -76,6 +81,44 @@ void DrawPass::drawView(Frame& frame, size_t object)
     frame.scene.drawTriangles(frame.commands, object);
 }
 
+void DrawPass::drawPool(Frame& frame, const LitPool& pool)
+{
+    const auto& blocks = pool.bookkeeping().blocks();
+    std::vector<tsl::TextureId> textures;
+    float tallest = 0.0f; // height by width, MIPs included
+    for (size_t i = 0; i < blocks.size(); ++i)
+        for (uint32_t layer = 0; pool.blocks()[i] && layer < blocks[i].textures.size(); ++layer) {
+            const glm::vec2 extent(pool.blocks()[i].layout.extent);
+            textures.push_back({int(i), layer});
+            tallest = std::max(tallest, extent.y / extent.x);
+        }
+    // The fewest columns whose cells leave room for all rows.
+    const glm::vec2 picture(frame.settings.size);
+    float columns = 1.0f, rows = 1.0f;
+    for (;; ++columns) {
+        rows = std::ceil(float(textures.size()) / columns);
+        if (rows * tallest * picture.x / columns <= picture.y)
+            break;
+    }
+    const float cell = 2.0f / columns; // width in clip space
+    constexpr float kFilled = 0.96f;   // of a cell
+    for (size_t i = 0; i < textures.size(); ++i) {
+        const LitBlock& block = pool.block(textures[i]);
+        const glm::vec2 extent(block.layout.extent);
+        const glm::vec2 row(std::fmod(float(i), columns), std::floor(float(i) / columns));
+        const glm::vec2 size = kFilled * cell * glm::vec2(1.0f, extent.y / extent.x * picture.x / picture.y);
+        const glm::vec2 corner = row * cell * glm::vec2(1.0f, tallest * picture.x / picture.y) - 1.0f;
+        bindSets(frame, vk::PipelineBindPoint::eGraphics, view_, {*block.set});
+        const bool drawn = pool.bookkeeping().texture(textures[i]).lastUsed == frame.index;
+        pushConstants(frame.commands, view_,
+                      shared::PoolPush{.rectangle = {corner, size},
+                                       .layer = float(textures[i].layer),
+                                       .shade = drawn ? 1.0f : 0.3f});
+        frame.commands.setCullMode(vk::CullModeFlagBits::eNone);
+        frame.commands.draw(6, 1, 0, 0);
+    }
+}
+
 void DrawPass::record(Frame& frame, const LitPool& pool)
 {
     const PassScope scope(frame, "draw");
@@ -115,6 +158,11 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
                              .pDepthAttachment = &depth});
     setViewport(commands, targets.hdr.extent());
 
+    if (frame.settings.view == View::pool) {
+        drawPool(frame, pool);
+        commands.endRendering();
+        return;
+    }
     std::vector<std::pair<float, size_t>> blended; // distance, object
     std::vector<size_t> fading;                    // between lit texture and forward
     const auto& objects = frame.scene.objects();

@@ -15,6 +15,7 @@ private:
     // opacity < 1: over what is there.
     void drawForward(Frame& frame, size_t object, float opacity);
     void drawView(Frame& frame, size_t object);
+    void drawPool(Frame& frame, const LitPool& pool); // every texture, side by side
     gpu::Pipeline lit_, forward_, blended_, view_;
 };
 

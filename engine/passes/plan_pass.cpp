@@ -1,5 +1,6 @@
 #include "plan_pass.h"
 #include <algorithm>
+#include <set>
 
 namespace lumel {
 namespace {
@@ -107,6 +108,27 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
 shared::LightPush PlanPass::push(uint32_t job) const
 {
     return {.jobs = jobs_.address(), .tiles = tiles_.address(), .job = job};
+}
+
+std::map<uint32_t, size_t> PlanPass::lumelsByTileSize(const gpu::Device& device) const
+{
+    const auto bytes = gpu::readBack(device, marks_, read().marked * sizeof(shared::Mark));
+    std::vector<shared::Mark> marks(bytes.size() / sizeof(shared::Mark));
+    if (!marks.empty())
+        std::memcpy(marks.data(), bytes.data(), bytes.size());
+    std::map<uint32_t, size_t> lumels;
+    for (uint32_t shift = 0; shift < 4; ++shift) {
+        std::set<std::pair<uint32_t, uint32_t>> pieces; // object, place
+        for (const shared::Mark& mark : marks) {
+            if (mark.verdict == shared::kVerdictDerive || mark.verdict == shared::kVerdictEmpty)
+                continue;
+            const uint32_t place = mark.tile.place & ~shared::kPlaceWaited;
+            const uint32_t x = (place & 0xfffu) >> shift, y = (place >> 12u & 0xfffu) >> shift;
+            pieces.insert({mark.tile.object, (place & 0xff000000u) | y << 12u | x});
+        }
+        lumels[shared::kTileSize << shift] = pieces.size() * shared::kTileLumels << (2 * shift);
+    }
+    return lumels;
 }
 
 void PlanPass::record(Frame& frame, const NeedPass& need)

@@ -26,6 +26,10 @@ public:
     // Reads what was planned, after the recorded commands have finished.
     const shared::Plan& read() const { return *readback_.mapped<shared::Plan>(); }
 
+    // Lumels that tiles of 8, 16, 32 and 64 lumels a side would hold of what the last plan lit or kept: the
+    // price of lighting in larger pieces. Waits for the device.
+    std::map<uint32_t, size_t> lumelsByTileSize(const gpu::Device& device) const;
+
     const std::vector<LightJob>& lightJobs() const { return lightJobs_; }
     const std::vector<LowerJobs>& lowerJobs() const { return lowerJobs_; }
     shared::LightPush push(uint32_t job) const;

@@ -22,7 +22,9 @@ enum class View {
     anisotropy,
     diffuse,
     specular,
-    error
+    error,
+    overshading,
+    pool
 };
 
 struct Settings {

@@ -250,10 +250,19 @@ LUMEL_CONST uint kViewAnisotropy = 9u;
 LUMEL_CONST uint kViewDiffuse = 10u;
 LUMEL_CONST uint kViewSpecular = 11u;
 LUMEL_CONST uint kViewError = 12u;
+LUMEL_CONST uint kViewOvershading = 13u;
+LUMEL_CONST uint kViewPool = 14u; // pool.frag's
 
 struct ViewPush {
     DrawPush draw; // for the vertex shader
     uint kind;     // kView...
+};
+
+// One texture of the pool as a picture.
+struct PoolPush {
+    vec4 rectangle; // left, top, width, height in clip space
+    float layer;
+    float shade;    // 1, less for a texture that this frame does not draw
 };
 
 struct DisplayPush {

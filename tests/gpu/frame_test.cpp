@@ -264,6 +264,54 @@ TEST_F(FrameTest, ViewsShowWhatTheySay)
     EXPECT_GT(normal.b, normal.r);
 }
 
+TEST_F(FrameTest, ThePoolViewShowsEveryTexture)
+{
+    TestScene s;
+    for (int i = 0; i < 4; ++i)
+        s.add(planeMesh(), plainMaps(glm::vec3(0.9f)),
+              glm::translate(glm::mat4(1.0f), glm::vec3(2.2f * float(i) - 3.3f, 0, 0)));
+    s.scene.lights = {sun({0, 0, -1})};
+    Settings settings = settingsFor(Shading::tsl);
+    settings.view = View::pool;
+    const Picture picture = shoot(s, cameraAt({0.0f, 0.0f, 14.0f}), settings);
+    ASSERT_EQ(picture.stats.objectsTsl, 4u);
+    int bright = 0, unlit = 0;
+    for (size_t i = 0; i < picture.radiance.pixels.size(); i += 3) {
+        bright += picture.radiance.pixels[i] > 0.2f;
+        unlit += picture.radiance.pixels[i + 2] < 0.05f;
+    }
+    EXPECT_GT(bright, 4 * 100);
+    EXPECT_GT(unlit, 100); // what the view does not need of them
+}
+
+TEST_F(FrameTest, StatisticsNameEveryObjectsModeAndThePriceOfLargerTiles)
+{
+    TestScene s;
+    s.add(planeMesh(), plainMaps());
+    scene::Mesh overlapping = planeMesh();
+    overlapping.uvProblem = "UVs overlap by 50 %";
+    s.add(overlapping, plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(2.2f, 0, 0)));
+    s.add(planeMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(500, 0, 0)));
+    s.scene.lights = {sun({0, 0, -1})};
+    Settings settings = settingsFor(Shading::tsl, {256, 256});
+    settings.levelOffset = 0.0f;
+    Renderer renderer(device(), s.scene, s.materials, settings);
+    const FrameStats stats = renderer.render(cameraAt({0.0f, 0.0f, 6.0f}));
+    const std::vector<ObjectStats> objects = renderer.objectStats();
+    ASSERT_EQ(objects.size(), 3u);
+    EXPECT_EQ(objects[0].mode, "tsl");
+    EXPECT_EQ(objects[1].mode, "forward");
+    EXPECT_EQ(objects[2].mode, "culled");
+    const float metresPerPixel = 2.0f * 6.0f * std::tan(0.35f) / 256.0f;
+    EXPECT_NEAR(objects[0].level.value_or(-1.0f), std::log2(512.0f * metresPerPixel), 0.05f);
+    EXPECT_GT(objects[0].pixels, 0u);
+    EXPECT_FALSE(objects[2].level);
+    const auto lumels = renderer.lumelsByTileSize();
+    EXPECT_EQ(lumels.at(8), stats.tilesLit * 64);
+    EXPECT_GE(lumels.at(16), lumels.at(8));
+    EXPECT_GE(lumels.at(32), lumels.at(16));
+}
+
 TEST_F(FrameTest, AMovedLightOrObjectIsLitAnew)
 {
     TestScene s = sphereScene(plainMaps());

@@ -196,6 +196,9 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(LitPush, tileOffsets);
     EXPECT_OFFSET(ViewPush, draw);
     EXPECT_OFFSET(ViewPush, kind);
+    EXPECT_OFFSET(PoolPush, rectangle);
+    EXPECT_OFFSET(PoolPush, layer);
+    EXPECT_OFFSET(PoolPush, shade);
     EXPECT_OFFSET(DisplayPush, weight);
 }
 
