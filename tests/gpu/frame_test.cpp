@@ -312,6 +312,40 @@ TEST_F(FrameTest, StatisticsNameEveryObjectsModeAndThePriceOfLargerTiles)
     EXPECT_GE(lumels.at(32), lumels.at(16));
 }
 
+TEST_F(FrameTest, ChartBordersAreNoWorseThanChartsInside)
+{
+    constexpr int kCharts = 16, kPixels = 256;
+    TestScene s;
+    s.add(patchworkMesh(kCharts, 2.0f / 1024.0f), plainMaps({0.4f, 0.3f, 0.2f}, 40.0f));
+    scene::Light lamp;
+    lamp.type = scene::LightType::point;
+    lamp.position = {0.3f, 0.4f, 0.6f};
+    lamp.intensity = 2.0f;
+    s.scene.lights = {lamp};
+    // Where the gutters of 2 lumels still are a lumel wide: levels 0 and 1.
+    for (const float pixelsPerChart : {60.0f, 30.0f}) {
+        // Facing: the plane's 2 metres are kCharts charts.
+        const float metresPerPixel = 2.0f / (pixelsPerChart * float(kCharts));
+        const scene::Camera camera = cameraAt({0, 0, metresPerPixel * kPixels / (2.0f * std::tan(0.35f))});
+        const Picture truth = shoot(s, camera, settingsFor(Shading::reference, {kPixels, kPixels}));
+        const Picture tsl = shoot(s, camera, settingsFor(Shading::tsl, {kPixels, kPixels}));
+        ASSERT_EQ(tsl.stats.objectsTsl, 1u);
+        float border = 0.0f, inside = 0.0f;
+        for (int y = 0; y < kPixels; ++y)
+            for (int x = 0; x < kPixels; ++x) {
+                const glm::vec2 chart = (glm::vec2(x, y) + 0.5f - 0.5f * kPixels) / pixelsPerChart;
+                if (std::max(std::abs(chart.x), std::abs(chart.y)) > 0.5f * kCharts - 2.0f / pixelsPerChart)
+                    continue; // the silhouette and beyond
+                const glm::vec2 away = glm::abs(chart - glm::round(chart)) * pixelsPerChart;
+                float& worst = std::min(away.x, away.y) < 1.0f ? border : inside;
+                for (int c = 0; c < 3; ++c)
+                    worst = std::max(worst, std::abs(tsl.display.at(x, y)[c] - truth.display.at(x, y)[c]));
+            }
+        EXPECT_GT(inside, 0.0f);
+        EXPECT_LE(border, inside + 2.0f / 255.0f) << pixelsPerChart << " pixels a chart"; // 8-bit steps
+    }
+}
+
 TEST_F(FrameTest, AMovedLightOrObjectIsLitAnew)
 {
     TestScene s = sphereScene(plainMaps());

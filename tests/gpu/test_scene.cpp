@@ -43,6 +43,31 @@ scene::Mesh planeMesh(int cells)
     });
 }
 
+scene::Mesh patchworkMesh(int cells, float gutter)
+{
+    scene::Mesh mesh;
+    mesh.name = "patchwork";
+    const int count = cells * cells;
+    for (int i = 0; i < count; ++i) {
+        const int place = (i * 37 + 11) % count; // all different while 37 divides no count
+        const auto first = uint32_t(mesh.vertices.size());
+        for (int corner = 0; corner < 4; ++corner) {
+            const glm::vec2 c(corner & 1, corner >> 1);
+            const glm::vec2 p = (glm::vec2(i % cells, i / cells) + c) / float(cells);
+            const glm::vec2 inset = gutter * (1.0f - 2.0f * c);
+            mesh.vertices.push_back(
+                {.position = {2.0f * p.x - 1.0f, 1.0f - 2.0f * p.y, 0.0f},
+                 .normal = {0, 0, 1},
+                 .tangent = {1, 0, 0, 1},
+                 .uv = (glm::vec2(place % cells, place / cells) + c) / float(cells) + inset});
+            mesh.bounds.add(mesh.vertices.back().position);
+        }
+        for (const uint32_t k : {0u, 2u, 3u, 0u, 3u, 1u})
+            mesh.indices.push_back(first + k);
+    }
+    return mesh;
+}
+
 scene::Mesh sphereMesh(int rows, int columns)
 {
     return gridMesh(rows, columns, [](glm::vec2 uv) {

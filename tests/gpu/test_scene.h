@@ -12,6 +12,8 @@ const gpu::Device& device();
 
 // Grid of quads in the plane z = 0, [-1, 1]^2, facing +z; uv (0, 0) at the upper left.
 scene::Mesh planeMesh(int cells = 1);
+// The same plane, each quad a chart of its own somewhere else in texture space, `gutter` from its neighbours.
+scene::Mesh patchworkMesh(int cells, float gutter);
 // Unit sphere by latitude and longitude, unique UVs.
 scene::Mesh sphereMesh(int rows = 24, int columns = 48);
 
