@@ -137,7 +137,7 @@ int GltfWriter::addNode(json node)
     return index;
 }
 
-void GltfWriter::addObject(const std::string& name, int shape, int material, const Placement& placement)
+int GltfWriter::addObject(const std::string& name, int shape, int material, const Placement& placement)
 {
     const auto [mesh, isNew] = meshes_.try_emplace({shape, material}, meshes_.size());
     if (isNew) {
@@ -152,29 +152,29 @@ void GltfWriter::addObject(const std::string& name, int shape, int material, con
     }
     if (placement.scale != 1.0f)
         node["scale"] = toJson(glm::vec3(placement.scale));
-    addNode(std::move(node));
+    return addNode(std::move(node));
 }
 
-void GltfWriter::addCamera(const std::string& name, glm::vec3 eye, glm::vec3 target, float yFovDegrees,
-                           float nearMetres)
+int GltfWriter::addCamera(const std::string& name, glm::vec3 eye, glm::vec3 target, float yFovDegrees,
+                          float nearMetres)
 {
     json_["cameras"].push_back(
         {{"name", name},
          {"type", "perspective"},
          {"perspective", {{"yfov", glm::radians(yFovDegrees)}, {"znear", nearMetres}}}});
-    addNode({{"name", name},
-             {"camera", json_["cameras"].size() - 1},
-             {"translation", toJson(eye)},
-             {"rotation", rotationTo(target - eye)}});
+    return addNode({{"name", name},
+                    {"camera", json_["cameras"].size() - 1},
+                    {"translation", toJson(eye)},
+                    {"rotation", rotationTo(target - eye)}});
 }
 
-void GltfWriter::addLight(json light, json place)
+int GltfWriter::addLight(json light, json place)
 {
     json& lights = json_["extensions"]["KHR_lights_punctual"]["lights"];
     place["name"] = light["name"];
     lights.push_back(std::move(light));
     place["extensions"] = {{"KHR_lights_punctual", {{"light", lights.size() - 1}}}};
-    addNode(std::move(place));
+    return addNode(std::move(place));
 }
 
 void GltfWriter::addDirectional(const std::string& name, glm::vec3 from, glm::vec3 colour, float lux)
@@ -183,13 +183,13 @@ void GltfWriter::addDirectional(const std::string& name, glm::vec3 from, glm::ve
              {{"rotation", rotationTo(-from)}});
 }
 
-void GltfWriter::addPoint(const std::string& name, glm::vec3 position, glm::vec3 colour, float candela,
-                          float range)
+int GltfWriter::addPoint(const std::string& name, glm::vec3 position, glm::vec3 colour, float candela,
+                         float range)
 {
     json light = {{"name", name}, {"type", "point"}, {"color", toJson(colour)}, {"intensity", candela}};
     if (range > 0.0f)
         light["range"] = range;
-    addLight(std::move(light), {{"translation", toJson(position)}});
+    return addLight(std::move(light), {{"translation", toJson(position)}});
 }
 
 void GltfWriter::addSpot(const std::string& name, glm::vec3 position, glm::vec3 target, glm::vec3 colour,
@@ -203,6 +203,47 @@ void GltfWriter::addSpot(const std::string& name, glm::vec3 position, glm::vec3 
               {"range", range},
               {"spot", {{"innerConeAngle", 0.6f * outer}, {"outerConeAngle", outer}}}},
              {{"translation", toJson(position)}, {"rotation", rotationTo(target - position)}});
+}
+
+int GltfWriter::addTimes(const std::vector<float>& seconds)
+{
+    const int accessor = addAccessor(seconds.data(), seconds.size() * 4, kFloat, seconds.size(), "SCALAR");
+    json_["accessors"].back()["min"] = {seconds.front()};
+    json_["accessors"].back()["max"] = {seconds.back()};
+    return accessor;
+}
+
+void GltfWriter::addChannels(const std::vector<int>& nodes, const char* path, int input, int output,
+                             const char* interpolation)
+{
+    json& animation = json_["animations"][0];
+    animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
+    for (int node : nodes)
+        animation["channels"].push_back(
+            {{"sampler", animation["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
+}
+
+void GltfWriter::turn(int node, const std::vector<float>& seconds, const std::vector<glm::quat>& rotations)
+{
+    std::vector<glm::vec4> values;
+    for (const glm::quat& q : rotations)
+        values.emplace_back(q.x, q.y, q.z, q.w);
+    const int input = addTimes(seconds);
+    const int output =
+        addAccessor(values.data(), values.size() * sizeof values[0], kFloat, values.size(), "VEC4");
+    addChannels({node}, "rotation", input, output, "LINEAR");
+}
+
+void GltfWriter::move(const std::vector<int>& nodes, const std::vector<float>& seconds,
+                      const std::vector<glm::vec3>& places, const std::vector<glm::vec3>& tangents)
+{
+    std::vector<glm::vec3> values; // of each key: in-tangent, value, out-tangent
+    for (size_t i = 0; i < places.size(); ++i)
+        values.insert(values.end(), {tangents[i], places[i], tangents[i]});
+    const int input = addTimes(seconds);
+    const int output =
+        addAccessor(values.data(), values.size() * sizeof values[0], kFloat, values.size(), "VEC3");
+    addChannels(nodes, "translation", input, output, "CUBICSPLINE");
 }
 
 void GltfWriter::write() const

@@ -36,22 +36,31 @@ public:
     int addMaterial(const std::string& name, const MaterialLook& look);
     int addShape(const Shape& shape);
     // Objects of one shape and one material share a mesh.
-    void addObject(const std::string& name, int shape, int material, const Placement& placement = {});
-    void addCamera(const std::string& name, glm::vec3 eye, glm::vec3 target, float yFovDegrees,
-                   float nearMetres);
+    // These return the node, for animate().
+    int addObject(const std::string& name, int shape, int material, const Placement& placement = {});
+    int addCamera(const std::string& name, glm::vec3 eye, glm::vec3 target, float yFovDegrees,
+                  float nearMetres);
     // lux; the light travels from `from` towards the origin.
     void addDirectional(const std::string& name, glm::vec3 from, glm::vec3 colour, float lux);
     // Nothing farther than `range` metres is lit; 0 = no limit.
-    void addPoint(const std::string& name, glm::vec3 position, glm::vec3 colour, float candela, float range);
+    int addPoint(const std::string& name, glm::vec3 position, glm::vec3 colour, float candela, float range);
     void addSpot(const std::string& name, glm::vec3 position, glm::vec3 target, glm::vec3 colour,
                  float candela, float range, float outerConeDegrees);
+    // Keyframes of a node's "translation" or "rotation" (x, y, z, w). Rotations move linearly; translations
+    // through a spline with the given tangents, metres a second.
+    void turn(int node, const std::vector<float>& seconds, const std::vector<glm::quat>& rotations);
+    void move(const std::vector<int>& nodes, const std::vector<float>& seconds,
+              const std::vector<glm::vec3>& places, const std::vector<glm::vec3>& tangents);
     void write() const;
 
 private:
     int addTexture(const std::string& file);
     int addAccessor(const void* data, size_t bytes, int componentType, size_t count, const char* type);
     int addNode(nlohmann::json node);
-    void addLight(nlohmann::json light, nlohmann::json place);
+    int addLight(nlohmann::json light, nlohmann::json place);
+    int addTimes(const std::vector<float>& seconds);
+    void addChannels(const std::vector<int>& nodes, const char* path, int input, int output,
+                     const char* interpolation);
 
     struct HeightTextures {
         int height, normal; // glTF textures

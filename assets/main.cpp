@@ -18,7 +18,7 @@ int main(int argc, char** argv)
         using namespace lumel::assets;
         tbb::parallel_invoke([&] { writeRecord(folder / "record"); }, [&] { writeBalls(folder / "balls"); },
                              [&] { writeBricks(folder / "bricks"); }, [&] { writeCharts(folder / "charts"); },
-                             [&] { writeCrowd(folder / "crowd"); });
+                             [&] { writeCrowd(folder / "crowd"); }, [&] { writeStress(folder / "stress"); });
     } catch (const std::exception& e) {
         std::fprintf(stderr, "%s\n", e.what());
         return 1;

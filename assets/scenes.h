@@ -9,5 +9,6 @@ void writeBalls(const std::filesystem::path& folder);
 void writeBricks(const std::filesystem::path& folder);
 void writeCharts(const std::filesystem::path& folder);
 void writeCrowd(const std::filesystem::path& folder);
+void writeStress(const std::filesystem::path& folder);
 
 } // namespace lumel::assets

@@ -2,50 +2,13 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/progress.h"
-#include "frame.h"
-#include <charconv>
+#include "setup.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <regex>
 
 namespace lumel {
 namespace {
-
-constexpr const char* kShadingNames[] = {"tsl", "forward", "reference"};
-constexpr const char* kFilterNames[] = {"fit", "average", "flat", "height", "toksvig", "lean"};
-constexpr const char* kPathNames[] = {"still", "orbit", "dolly"};
-
-scene::Camera chooseCamera(const ShotArguments& arguments, const scene::Scene& scene)
-{
-    const float aspect = float(arguments.settings.size.x) / float(arguments.settings.size.y);
-    if (arguments.eye || arguments.target) {
-        scene::Camera camera;
-        camera.name = "options";
-        camera.target = arguments.target.value_or(scene.bounds.centre());
-        camera.eye =
-            arguments.eye.value_or(camera.target + glm::vec3(0.0f, 0.0f, 3.0f * scene.bounds.radius()));
-        camera.yFov = glm::radians(arguments.fovDegrees);
-        camera.nearMetres = std::max(1e-4f, 0.001f * scene.bounds.radius());
-        if (glm::distance(camera.eye, camera.target) < 1e-9f)
-            throw Error("--eye and --target are the same point; move one of them");
-        return camera;
-    }
-    if (arguments.camera.empty())
-        return scene.cameras.empty() ? scene::frameBounds(scene.bounds, aspect) : scene.cameras.front();
-    std::string known;
-    for (const auto& camera : scene.cameras) {
-        if (camera.name == arguments.camera)
-            return camera;
-        known += " " + camera.name;
-    }
-    size_t index = scene.cameras.size();
-    const char* end = arguments.camera.data() + arguments.camera.size();
-    const auto parsed = std::from_chars(arguments.camera.data(), end, index);
-    if (parsed.ec == std::errc() && parsed.ptr == end && index < scene.cameras.size())
-        return scene.cameras[index];
-    throw Error(fmt::format("{}: no camera '{}'; it has{}", arguments.scene.string(), arguments.camera,
-                            known.empty() ? " none: leave --camera out" : known));
-}
 
 // The file of each frame: `output` itself, or `output` with its %d or %0Nd replaced by the frame's number.
 class FrameFiles {
@@ -82,13 +45,7 @@ private:
     bool numbered_ = false;
 };
 
-double stepOf(const ShotArguments& arguments)
-{
-    constexpr double kUsualStep[] = {0.0, 0.5, 1.0}; // nothing, degrees, percent
-    return arguments.step.value_or(kUsualStep[size_t(arguments.path)]);
-}
-
-std::vector<FrameStats> renderFrames(const ShotArguments& arguments, const scene::Camera& camera,
+std::vector<FrameStats> renderFrames(const ShotArguments& arguments, const Playback& playback,
                                      const FrameFiles& files, Renderer& renderer)
 {
     // The reference shows its own progress, sample by sample.
@@ -97,7 +54,8 @@ std::vector<FrameStats> renderFrames(const ShotArguments& arguments, const scene
         progress.emplace("frames", size_t(arguments.frames));
     std::vector<FrameStats> frames;
     for (int i = 0; i < arguments.frames; ++i) {
-        frames.push_back(renderer.render(scene::cameraOnPath(camera, arguments.path, stepOf(arguments), i)));
+        playback.apply(renderer, i);
+        frames.push_back(renderer.render(playback.camera(i)));
         if (files.numbered() || i + 1 == arguments.frames)
             writeImage(files.of(i), arguments.output.extension() == ".exr" ? renderer.readRadiance()
                                                                            : renderer.readDisplay());
@@ -105,36 +63,6 @@ std::vector<FrameStats> renderFrames(const ShotArguments& arguments, const scene
             progress->advance(1);
     }
     return frames;
-}
-
-std::vector<ObjectStats> objectsOf(const scene::Scene& scene, const Renderer& renderer)
-{
-    std::vector<ObjectStats> objects = renderer.objectStats();
-    for (size_t i = 0; i < objects.size(); ++i)
-        objects[i].name = scene.objects[i].name;
-    return objects;
-}
-
-RunInfo describeRun(const ShotArguments& arguments, const scene::Camera& camera, const gpu::Device& device)
-{
-    RunInfo run{.version = LUMEL_VERSION,
-                .device = device.properties().deviceName.data(),
-                .driver = device.driver(),
-                .scene = arguments.scene.string(),
-                .shading = kShadingNames[size_t(arguments.settings.shading)],
-                .filter = kFilterNames[size_t(arguments.filter)],
-                .width = arguments.settings.size.x,
-                .height = arguments.settings.size.y,
-                .options = {{"camera", camera.name},
-                            {"path", kPathNames[size_t(arguments.path)]},
-                            {"step", fmt::format("{}", stepOf(arguments))},
-                            {"samples", std::to_string(arguments.settings.samples)},
-                            {"msaa", std::to_string(arguments.settings.msaa)},
-                            {"anisotropy", fmt::format("{}", arguments.settings.anisotropy)},
-                            {"exposure", fmt::format("{}", arguments.settings.exposure)}}};
-    if (arguments.lights > 0)
-        run.options["lights"] = std::to_string(arguments.lights);
-    return run;
 }
 
 // One line: what was rendered, how long it took, how much was lit.
@@ -182,16 +110,15 @@ void runShot(const ShotArguments& arguments)
                                                         .threads = arguments.threads});
     const gpu::Device device(arguments.device);
     Renderer renderer(device, scene, materials, arguments.settings);
-    const std::vector<FrameStats> frames = renderFrames(arguments, camera, files, renderer);
-    const RunInfo run = describeRun(arguments, camera, device);
+    const std::vector<FrameStats> frames =
+        renderFrames(arguments, Playback(scene, camera, arguments.path), files, renderer);
+    const RunInfo run = describeRun(arguments, arguments.path, camera, device);
     if (!arguments.stats.empty())
         writeFileAtomically(
             arguments.stats,
             statsJson(run, frames, objectsOf(scene, renderer), renderer.lumelsByTileSize()).dump(1) + "\n");
     printSummary(arguments, run, camera.name, frames);
-    if (!device.validationMessages().empty())
-        throw Error(
-            fmt::format("Vulkan validation: {} messages; report them", device.validationMessages().size()));
+    checkValidation(device);
 }
 
 } // namespace lumel

@@ -3,7 +3,7 @@
 #include "baker/bake.h"
 #include "gpu/device.h"
 #include "passes/settings.h"
-#include "scene/camera_path.h"
+#include "playback.h"
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -44,10 +44,45 @@ struct SceneArguments {
 struct ShotArguments : SceneArguments {
     std::filesystem::path output, stats;
     int frames = 1;
-    scene::Path path = scene::Path::still;
-    std::optional<double> step; // degrees or percent a frame; none = the path's usual one
+    PathOptions path;
 };
 void runShot(const ShotArguments& arguments);
+
+// A way of shading by its name in `bench`: tsl, forward or reference, then optionally a filter and a number
+// of samples, each after a hyphen: forward-average, forward-16. With samples it is forward shading at the
+// finest level, so many times a pixel.
+struct BenchShading {
+    std::string name = "tsl";
+    Shading shading = Shading::tsl;
+    std::optional<baker::Method> filter; // none: that of --filter
+    int samples = 0;                     // 0: that of --samples
+};
+
+// From `frame` on, `lights` lights of scene::lightRing().
+struct LoadStep {
+    int lights = 0, frame = 0;
+};
+
+// Each of scenes x sizes x lights x objects x shadings is measured.
+struct BenchArguments : SceneArguments {
+    std::vector<std::filesystem::path> scenes; // none: the stress scene beside the program
+    std::vector<BenchShading> shadings{BenchShading()};
+    std::vector<glm::uvec2> sizes{{960, 540}};
+    std::vector<int> lightCounts{0};  // 0 = the scene's
+    std::vector<int> objectCounts{0}; // spread over the scene's; 0 = all
+    std::vector<LoadStep> load;       // rising frames from 0 on; in place of lightCounts
+    PathOptions path;
+    bool usualPath = true; // none was named: the camera's animation, or an orbit
+    int frames = 120, warmup = 10;
+    int round = 10; // frames that a run renders before the next run's turn
+    int errorEvery = 0;
+    bool flicker = false;
+    std::filesystem::path json, csv, plot;
+    std::vector<std::filesystem::path> compare; // two files of `json`: in place of a measurement
+    double limit = 0.0;                         // 0: none
+};
+// False when a ratio exceeds the limit.
+bool runBench(const BenchArguments& arguments);
 
 struct CompareArguments {
     std::filesystem::path a, b, output;

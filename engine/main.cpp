@@ -17,9 +17,11 @@ int run(int argc, char** argv)
     BakeArguments bake;
     ShotArguments shot;
     CompareArguments compare;
+    BenchArguments bench;
     addBake(app, bake);
     addShot(app, shot);
     addCompare(app, compare);
+    addBench(app, bench);
     app.add_subcommand("help", "Show this help");
     const std::string help = app.help(); // after parsing, CLI11 would print the subcommand's own
     try {
@@ -36,6 +38,8 @@ int run(int argc, char** argv)
         runBake(bake);
     if (app.got_subcommand("shot"))
         runShot(shot);
+    if (app.got_subcommand("bench"))
+        return runBench(bench) ? 0 : 1;
     if (app.got_subcommand("compare"))
         return runCompare(compare) ? 0 : 1;
     return 0;

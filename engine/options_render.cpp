@@ -3,10 +3,11 @@
 
 namespace lumel {
 
-const std::map<std::string, scene::Path> kPaths = {
-    {"still", scene::Path::still}, {"orbit", scene::Path::orbit}, {"dolly", scene::Path::dolly}};
-
-namespace {
+const std::map<std::string, scene::Path> kPaths = {{"still", scene::Path::still},
+                                                   {"orbit", scene::Path::orbit},
+                                                   {"dolly", scene::Path::dolly},
+                                                   {"pan", scene::Path::pan},
+                                                   {"animation", scene::Path::animation}};
 
 // "960x540" -> two numbers; CLI11 reports the returned text.
 std::string parseSize(const std::string& text, glm::uvec2& size)
@@ -17,6 +18,8 @@ std::string parseSize(const std::string& text, glm::uvec2& size)
         return "--size " + text + ": write WIDTHxHEIGHT, each 1 to 8192";
     return {};
 }
+
+namespace {
 
 std::string parsePoint(const std::string& text, std::optional<glm::vec3>& point)
 {
@@ -147,6 +150,28 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
     command->add_option("--threads", a.threads, "threads of the baker, 0 = all cores")
         ->check(CLI::Range(0, 1024));
     addDeviceOptions(command, a);
+}
+
+void addPathOptions(CLI::App* command, PathOptions& path)
+{
+    command->add_option("--path", path.path, "how the camera moves: still, orbit, dolly, pan or animation")
+        ->transform(CLI::CheckedTransformer(kPaths).description(""))
+        ->default_str("still");
+    command
+        ->add_option("--step", path.step,
+                     "orbit: degrees a frame (0.5); dolly, pan: percent of the distance a frame (1, 0.1)")
+        ->check(CLI::Range(-1000.0, 1000.0));
+    command->add_option("--time", path.seconds, "seconds of the scene's animation in the first frame")
+        ->check(CLI::Range(0.0, 1e6));
+    command->add_option("--time-step", path.timeStep, "seconds of the animation from frame to frame")
+        ->check(CLI::Range(0.0, 1e3))
+        ->default_str("1/30");
+}
+
+void checkPath(const PathOptions& path)
+{
+    if (path.path == scene::Path::dolly && path.step && *path.step >= 100.0)
+        throw CLI::ValidationError("--step", "a dolly of 100 percent or more passes its target");
 }
 
 } // namespace lumel

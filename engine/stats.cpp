@@ -1,11 +1,17 @@
 #include "stats.h"
-#include <algorithm>
+#include "core/statistics.h"
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace lumel {
 namespace {
 
 using nlohmann::json;
+
+json orNull(std::optional<double> value)
+{
+    return value ? json(*value) : json(nullptr);
+}
 
 json frameJson(const FrameStats& f)
 {
@@ -29,13 +35,23 @@ json frameJson(const FrameStats& f)
             {"render_scale", 1.0},
             {"level_bias", f.levelBias},
             {"level_offset", f.levelOffset},
-            {"error_rmse", nullptr}};
+            {"error_rmse", orNull(f.errorRmse)},
+            {"flicker_rmse", orNull(f.flickerRmse)},
+            {"change_rmse", orNull(f.changeRmse)}};
 }
 
-// Nearest-rank percentile of sorted values.
-double percentile(const std::vector<double>& sorted, double p)
+// Root mean square over the frames that have the value.
+std::optional<double> overFrames(const std::vector<FrameStats>& frames,
+                                 std::optional<double> FrameStats::*value)
 {
-    return sorted[std::min(sorted.size() - 1, size_t(p * double(sorted.size())))];
+    double sum = 0.0;
+    size_t count = 0;
+    for (const FrameStats& f : frames)
+        if (const auto& v = f.*value) {
+            sum += *v * *v;
+            ++count;
+        }
+    return count > 0 ? std::optional(std::sqrt(sum / double(count))) : std::nullopt;
 }
 
 } // namespace
@@ -44,21 +60,23 @@ json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames,
                const std::vector<ObjectStats>& objects, const std::map<uint32_t, size_t>& lumelsByTileSize)
 {
     json list = json::array();
-    std::vector<double> sorted;
+    std::vector<double> times;
     double sum = 0.0;
     for (const FrameStats& f : frames) {
         list.push_back(frameJson(f));
-        sorted.push_back(f.ms);
+        times.push_back(f.ms);
         sum += f.ms;
     }
-    std::sort(sorted.begin(), sorted.end());
     json summary = json::object();
-    if (!sorted.empty())
-        summary = {{"mean_ms", sum / double(sorted.size())},
-                   {"p50_ms", percentile(sorted, 0.50)},
-                   {"p95_ms", percentile(sorted, 0.95)},
-                   {"p99_ms", percentile(sorted, 0.99)},
-                   {"max_ms", sorted.back()},
+    if (!times.empty())
+        summary = {{"mean_ms", sum / double(times.size())},
+                   {"p50_ms", percentile(times, 0.50)},
+                   {"p95_ms", percentile(times, 0.95)},
+                   {"p99_ms", percentile(times, 0.99)},
+                   {"max_ms", percentile(times, 1.0)},
+                   {"error_rmse", orNull(overFrames(frames, &FrameStats::errorRmse))},
+                   {"flicker_rmse", orNull(overFrames(frames, &FrameStats::flickerRmse))},
+                   {"change_rmse", orNull(overFrames(frames, &FrameStats::changeRmse))},
                    {"missed", 0}}; // frames over the budget; there is none yet
     json table = json::array();
     for (const ObjectStats& o : objects)

@@ -8,6 +8,7 @@ namespace lumel {
 namespace {
 
 volatile std::sig_atomic_t signalled = 0;
+std::atomic<int> living{0}; // lines that could be drawn
 
 void onSignal(int number)
 {
@@ -31,7 +32,7 @@ bool interrupted()
 
 Progress::Progress(std::string label, size_t total)
     : label_(std::move(label)), total_(total), start_(std::chrono::steady_clock::now()),
-      terminal_(isatty(STDERR_FILENO) != 0)
+      terminal_(living++ == 0 && isatty(STDERR_FILENO) != 0)
 {
 }
 
@@ -42,6 +43,8 @@ Progress::Progress(Progress& whole, size_t share, size_t total)
 
 Progress::~Progress()
 {
+    if (!whole_)
+        --living;
     if (!drawn_)
         return;
     draw();

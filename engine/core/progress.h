@@ -8,7 +8,7 @@
 namespace lumel {
 
 // One line on stderr, redrawn at most ten times a second, only when stderr is a terminal and the work
-// has taken longer than 0.2 s. Safe to call from several threads.
+// has taken longer than 0.2 s. While one line lives, others stay silent. Safe to call from several threads.
 class Progress {
 public:
     explicit Progress(std::string label, size_t total);

@@ -23,7 +23,27 @@ Camera cameraOnPath(const Camera& start, Path path, double step, int index)
         // What the start camera did not clip must not be clipped closer up.
         camera.nearMetres = start.nearMetres * std::min(share, 1.0f);
     }
+    if (path == Path::pan) {
+        const glm::vec3 right = glm::normalize(glm::cross(-fromTarget, start.up));
+        const glm::vec3 way = float(step / 100.0 * index) * glm::length(fromTarget) * right;
+        camera.eye += way;
+        camera.target += way;
+    }
     return camera;
+}
+
+double usualStep(Path path)
+{
+    switch (path) {
+    case Path::orbit:
+        return 0.5; // degrees
+    case Path::dolly:
+        return 1.0; // percent
+    case Path::pan:
+        return 0.1; // percent
+    default:
+        return 0.0;
+    }
 }
 
 } // namespace lumel::scene

@@ -99,7 +99,7 @@ uint32_t loadUnsigned(const std::byte* from, int type)
     }
 }
 
-// glTF 2.0, section 3.6.2.2 "Accessor data types": normalised integers.
+// glTF 2.0, section 3.6.2.2 "Accessor data types" and 3.11 "Animations": normalised integers.
 float loadFloat(const std::byte* from, int type)
 {
     switch (type) {
@@ -107,6 +107,10 @@ float loadFloat(const std::byte* from, int type)
         return float(load<uint8_t>(from)) / 255.0f;
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
         return float(load<uint16_t>(from)) / 65535.0f;
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+        return std::max(float(load<int8_t>(from)) / 127.0f, -1.0f);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+        return std::max(float(load<int16_t>(from)) / 32767.0f, -1.0f);
     default:
         return load<float>(from);
     }
@@ -168,10 +172,13 @@ std::vector<float> readFloats(const Reader& reader, int index, int components, S
 {
     const Elements elements = checkedElements(reader, index, components);
     const int type = elements.componentType;
-    const bool unorm =
-        (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) &&
-        accessorAt(reader, index).normalized;
-    if (type != TINYGLTF_COMPONENT_TYPE_FLOAT && !(storage == Storage::floatOrUnorm && unorm))
+    const bool normalized = accessorAt(reader, index).normalized;
+    const bool unorm = normalized && (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                                      type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);
+    const bool snorm =
+        normalized && (type == TINYGLTF_COMPONENT_TYPE_BYTE || type == TINYGLTF_COMPONENT_TYPE_SHORT);
+    if (type != TINYGLTF_COMPONENT_TYPE_FLOAT && !(storage != Storage::floatOnly && unorm) &&
+        !(storage == Storage::floatOrNormalized && snorm))
         reader.fail(
             fmt::format("{} (accessor {}) is stored in a type that glTF 2.0 does not allow", what, index));
     const size_t size = componentSize(type);

@@ -293,9 +293,8 @@ void DocumentReader::readImages()
 
 void DocumentReader::dropUndrawn()
 {
-    for (const char* key : {"animations", "skins"})
-        if (root_.erase(key) > 0)
-            document_.ignored.insert(key);
+    if (root_.erase("skins") > 0)
+        document_.ignored.insert("skins");
 }
 
 } // namespace

@@ -17,7 +17,7 @@ bool isFinite(const glm::mat4& m)
 class NodeReader {
 public:
     NodeReader(Reader& reader, Scene& scene)
-        : reader_(reader), scene_(scene), seen_(reader.model.nodes.size(), false)
+        : reader_(reader), scene_(scene), seen_(reader.model.nodes.size(), false), tracks_(readTracks(reader))
     {
     }
 
@@ -27,7 +27,7 @@ public:
         std::vector<Visit> stack;
         const std::vector<int> roots = rootNodes();
         for (auto root = roots.rbegin(); root != roots.rend(); ++root)
-            stack.push_back({*root, 0, glm::mat4(1.0f)});
+            stack.push_back({*root, 0, -1, glm::mat4(1.0f)});
         while (!stack.empty()) {
             const Visit visit = stack.back();
             stack.pop_back();
@@ -35,9 +35,10 @@ public:
             const glm::mat4 world = visit.worldFromParent * localTransform(node, visit.node);
             if (!isFinite(world))
                 reader_.fail(fmt::format("node {} has a transform that is not finite", visit.node));
+            moving_ = addMoving(node, visit);
             readNode(node, visit.node, world);
             for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-                stack.push_back({*child, visit.depth + 1, world});
+                stack.push_back({*child, visit.depth + 1, moving_, world});
         }
     }
 
@@ -45,12 +46,14 @@ private:
     struct Visit {
         int node;
         int depth;
+        int movingParent; // in Animation::nodes, -1: stands still
         glm::mat4 worldFromParent;
     };
 
     std::vector<int> rootNodes() const;
     const tinygltf::Node& enter(const Visit& visit);
     glm::mat4 localTransform(const tinygltf::Node& node, int index) const;
+    int addMoving(const tinygltf::Node& node, const Visit& visit);
     void readNode(const tinygltf::Node& node, int index, const glm::mat4& world);
     void addObjects(const tinygltf::Node& node, int index, const glm::mat4& world);
     void addCamera(const tinygltf::Node& node, const glm::mat4& world);
@@ -61,6 +64,8 @@ private:
     Reader& reader_;
     Scene& scene_;
     std::vector<bool> seen_;
+    std::map<int, NodeTracks> tracks_; // by glTF node
+    int moving_ = -1;                  // of the node being read, in Animation::nodes
     PrimitiveCache cache_;
     std::map<int, std::vector<Primitive>> meshes_; // by glTF mesh
     int defaultMaterial_ = -1;
@@ -132,6 +137,37 @@ glm::mat4 NodeReader::localTransform(const tinygltf::Node& node, int index) cons
     return m;
 }
 
+// The node's place in Animation::nodes, -1 when neither it nor an ancestor moves. localTransform() has
+// checked what is read here.
+int NodeReader::addMoving(const tinygltf::Node& node, const Visit& visit)
+{
+    const auto tracks = tracks_.find(visit.node);
+    if (tracks == tracks_.end() && visit.movingParent < 0)
+        return -1;
+    MovingNode moving;
+    moving.parent = visit.movingParent;
+    moving.worldFromParent = visit.worldFromParent;
+    moving.matrix = localTransform(node, visit.node);
+    if (tracks != tracks_.end()) {
+        if (!node.matrix.empty()) // glTF 2.0, section 3.5.3
+            reader_.fail(fmt::format("node {} is animated and has a matrix", visit.node));
+        const auto &t = node.translation, &r = node.rotation, &s = node.scale;
+        moving.moves = true;
+        moving.tracks = std::move(tracks->second);
+        if (!t.empty())
+            moving.translation = glm::vec3(t[0], t[1], t[2]);
+        if (!r.empty())
+            moving.rotation = glm::quat(glm::normalize(glm::dquat(r[3], r[0], r[1], r[2])));
+        if (!s.empty())
+            moving.scale = glm::vec3(s[0], s[1], s[2]);
+        for (const Track* track : {&moving.tracks.translation, &moving.tracks.rotation, &moving.tracks.scale})
+            if (!track->empty())
+                scene_.animation.seconds = std::max(scene_.animation.seconds, double(track->seconds.back()));
+    }
+    scene_.animation.nodes.push_back(std::move(moving));
+    return int(scene_.animation.nodes.size()) - 1;
+}
+
 void NodeReader::readNode(const tinygltf::Node& node, int index, const glm::mat4& world)
 {
     if (node.mesh >= 0)
@@ -177,6 +213,7 @@ void NodeReader::addObjects(const tinygltf::Node& node, int index, const glm::ma
         if (primitives.size() > 1)
             object.name += "/" + scene_.materials[size_t(object.material)].name;
         object.worldFromObject = world;
+        object.node = moving_;
         const Bounds& box = scene_.meshes[size_t(object.mesh)].bounds;
         for (int corner = 0; corner < 8; ++corner) {
             const glm::vec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
@@ -211,6 +248,7 @@ void NodeReader::addCamera(const tinygltf::Node& node, const glm::mat4& world)
     camera.eye = glm::vec3(world[3]);
     camera.target = camera.eye - glm::normalize(glm::vec3(world[2]));
     camera.up = glm::normalize(glm::vec3(world[1]));
+    camera.node = moving_;
     scene_.cameras.push_back(camera);
 }
 
@@ -253,6 +291,7 @@ void NodeReader::addLight(const tinygltf::Node& node, int index, const glm::mat4
         return; // scaled to nothing: no direction
     light.position = glm::vec3(world[3]);
     light.direction = -glm::normalize(glm::vec3(world[2])); // along the node's -Z
+    light.node = moving_;
     scene_.lights.push_back(light);
 }
 

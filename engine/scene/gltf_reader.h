@@ -33,7 +33,7 @@ struct Reader {
 std::span<const std::byte> bufferViewBytes(const Reader& reader, int view);
 
 // Which storage glTF 2.0, section 3.7.2.1, allows an attribute.
-enum class Storage { floatOnly, floatOrUnorm };
+enum class Storage { floatOnly, floatOrUnorm, floatOrNormalized };
 
 // All elements of an accessor, `components` floats each, normalised integers decoded, sparse values
 // applied. Every range is checked before a byte is read. Throws Error also for NaN and infinity.
@@ -53,6 +53,8 @@ using PrimitiveCache =
     std::map<std::vector<int>, int>; // accessors and mode to Scene::meshes, -1 not drawable
 std::vector<Primitive> readMesh(Reader& reader, int mesh, Scene& scene, PrimitiveCache& cache);
 
+// What moves, by glTF node.
+std::map<int, NodeTracks> readTracks(Reader& reader);
 void readMaterials(Reader& reader, Scene& scene);
 void readImages(Reader& reader, Scene& scene);
 // Objects, cameras and lights of the default scene, and the scene's bounds.

@@ -1,5 +1,6 @@
 // A glTF file as plain data, ready to bake and to upload.
 #pragma once
+#include "animation.h"
 #include "core/image.h"
 #include "core/math.h"
 #include "shared/structs.h"
@@ -60,6 +61,7 @@ struct Object {
     std::string name;
     int mesh = 0;
     int material = 0;
+    int node = -1;                   // in Scene::animation that moves it, -1 none
     glm::mat4 worldFromObject{1.0f}; // invertible; where it mirrors, front faces turn clockwise
 };
 
@@ -70,6 +72,7 @@ struct Camera {
     glm::vec3 up{0.0f, 1.0f, 0.0f};
     float yFov = 0.7f; // radians
     float nearMetres = 0.01f;
+    int node = -1; // in Scene::animation, -1 none
 };
 
 enum class LightType { directional = 0, point = 1, spot = 2 };
@@ -84,6 +87,7 @@ struct Light {
     float innerCone = 0.0f, outerCone = 0.7853982f; // radians
     glm::vec3 position{0.0f};
     glm::vec3 direction{0.0f, -1.0f, 0.0f}; // the way the light travels, unit length
+    int node = -1;                          // in Scene::animation, -1 none
 };
 
 struct Scene {
@@ -94,6 +98,7 @@ struct Scene {
     std::vector<Object> objects;
     std::vector<Camera> cameras; // as in the file; may be empty
     std::vector<Light> lights;   // as in the file; may be empty
+    Animation animation;         // objects, cameras and lights are where the nodes say, not the tracks
     Bounds bounds;               // of all objects, world space
 };
 

@@ -1,0 +1,47 @@
+#include "playback.h"
+#include "core/error.h"
+#include <fmt/format.h>
+
+namespace lumel {
+
+Playback::Playback(const scene::Scene& scene, const scene::Camera& start, const PathOptions& options)
+    : animation_(scene.animation), start_(start), options_(options), lights_(scene.lights),
+      plays_(scene.animation.seconds > 0.0 && (options.seconds || options.path == scene::Path::animation))
+{
+    if (options.path == scene::Path::animation && start.node < 0)
+        throw Error(fmt::format("{}: camera '{}' is not animated; choose another --path or --camera",
+                                scene.file.string(), start.name));
+    if (lights_.empty())
+        lights_ = scene::threeLightRig();
+    for (size_t i = 0; i < scene.objects.size(); ++i)
+        if (scene.objects[i].node >= 0)
+            movingObjects_.emplace_back(i, scene.objects[i].node);
+}
+
+scene::Pose Playback::poseOf(int frame) const
+{
+    return poseAt(animation_, options_.seconds.value_or(0.0) + options_.timeStep * frame);
+}
+
+scene::Camera Playback::camera(int frame) const
+{
+    if (!plays_)
+        return scene::cameraOnPath(start_, options_.path, options_.stepOrUsual(), frame);
+    if (options_.path == scene::Path::animation)
+        return moved(start_, poseOf(frame));
+    return scene::cameraOnPath(moved(start_, poseOf(0)), options_.path, options_.stepOrUsual(), frame);
+}
+
+void Playback::apply(Renderer& renderer, int frame) const
+{
+    if (!plays_) {
+        renderer.setLights(lights_);
+        return;
+    }
+    const scene::Pose pose = poseOf(frame);
+    renderer.setLights(moved(lights_, pose));
+    for (const auto& [object, node] : movingObjects_)
+        renderer.moveObject(object, pose[size_t(node)]);
+}
+
+} // namespace lumel

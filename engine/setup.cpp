@@ -1,0 +1,97 @@
+#include "setup.h"
+#include "core/error.h"
+#include <charconv>
+#include <fmt/format.h>
+
+namespace lumel {
+namespace {
+
+constexpr const char* kShadingNames[] = {"tsl", "forward", "reference"};
+constexpr const char* kFilterNames[] = {"fit", "average", "flat", "height", "toksvig", "lean"};
+constexpr const char* kModelNames[] = {"ashikhmin-shirley", "blinn-phong"};
+constexpr const char* kPathNames[] = {"still", "orbit", "dolly", "pan", "animation"};
+constexpr const char* kDrawFilterNames[] = {"bilinear", "b-spline", "catmull-rom", "catmull-rom-16"};
+
+std::string text(double number)
+{
+    return fmt::format("{:g}", number);
+}
+
+} // namespace
+
+scene::Camera chooseCamera(const SceneArguments& arguments, const scene::Scene& scene)
+{
+    const float aspect = float(arguments.settings.size.x) / float(arguments.settings.size.y);
+    if (arguments.eye || arguments.target) {
+        scene::Camera camera;
+        camera.name = "options";
+        camera.target = arguments.target.value_or(scene.bounds.centre());
+        camera.eye =
+            arguments.eye.value_or(camera.target + glm::vec3(0.0f, 0.0f, 3.0f * scene.bounds.radius()));
+        camera.yFov = glm::radians(arguments.fovDegrees);
+        camera.nearMetres = std::max(1e-4f, 0.001f * scene.bounds.radius());
+        if (glm::distance(camera.eye, camera.target) < 1e-9f)
+            throw Error("--eye and --target are the same point; move one of them");
+        return camera;
+    }
+    if (arguments.camera.empty())
+        return scene.cameras.empty() ? scene::frameBounds(scene.bounds, aspect) : scene.cameras.front();
+    std::string known;
+    for (const auto& camera : scene.cameras) {
+        if (camera.name == arguments.camera)
+            return camera;
+        known += " " + camera.name;
+    }
+    size_t index = scene.cameras.size();
+    const char* end = arguments.camera.data() + arguments.camera.size();
+    const auto parsed = std::from_chars(arguments.camera.data(), end, index);
+    if (parsed.ec == std::errc() && parsed.ptr == end && index < scene.cameras.size())
+        return scene.cameras[index];
+    throw Error(fmt::format("{}: no camera '{}'; it has{}", arguments.scene.string(), arguments.camera,
+                            known.empty() ? " none: leave --camera out" : known));
+}
+
+RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, const scene::Camera& camera,
+                    const gpu::Device& device)
+{
+    const Settings& settings = arguments.settings;
+    RunInfo run{.version = LUMEL_VERSION,
+                .device = device.properties().deviceName.data(),
+                .driver = device.driver(),
+                .scene = arguments.scene.string(),
+                .shading = kShadingNames[size_t(settings.shading)],
+                .filter = kFilterNames[size_t(arguments.filter)],
+                .width = settings.size.x,
+                .height = settings.size.y,
+                .options = {{"camera", camera.name},
+                            {"path", kPathNames[size_t(path.path)]},
+                            {"step", text(path.stepOrUsual())},
+                            {"model", kModelNames[size_t(arguments.model)]},
+                            {"samples", std::to_string(settings.samples)},
+                            {"msaa", std::to_string(settings.msaa)},
+                            {"draw_filter", kDrawFilterNames[size_t(settings.filter)]},
+                            {"anisotropy", text(settings.anisotropy)},
+                            {"level_offset", text(settings.levelOffset)},
+                            {"lumels_per_pixel", text(settings.lumelsPerPixel)},
+                            {"refresh_share", text(settings.refreshShare)},
+                            {"tolerance", text(settings.tolerance)},
+                            {"exposure", text(settings.exposure)}}};
+    if (arguments.lights > 0)
+        run.options["lights"] = std::to_string(arguments.lights);
+    if (settings.lumelBudget != ~0u)
+        run.options["lumel_budget"] = std::to_string(settings.lumelBudget);
+    if (path.seconds) {
+        run.options["time"] = text(*path.seconds);
+        run.options["time_step"] = text(path.timeStep);
+    }
+    return run;
+}
+
+void checkValidation(const gpu::Device& device)
+{
+    if (!device.validationMessages().empty())
+        throw Error(
+            fmt::format("Vulkan validation: {} messages; report them", device.validationMessages().size()));
+}
+
+} // namespace lumel

@@ -1,0 +1,18 @@
+// What the commands that render have in common before the first frame, and how they call what they did.
+#pragma once
+#include "commands.h"
+#include "stats.h"
+
+namespace lumel {
+
+// The camera that the options name. Throws Error when the scene has none of that name.
+scene::Camera chooseCamera(const SceneArguments& arguments, const scene::Scene& scene);
+
+// The head of the statistics.
+RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, const scene::Camera& camera,
+                    const gpu::Device& device);
+
+// Throws Error when --validate found something.
+void checkValidation(const gpu::Device& device);
+
+} // namespace lumel
