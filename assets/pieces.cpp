@@ -119,16 +119,15 @@ glm::vec2 onOutline(const Outline& outline, float along)
 
 } // namespace
 
-Shape turnedPiece(const Outline& outline)
+Shape turnedPiece(const Outline& outline, int steps, int segments)
 {
-    constexpr int kSteps = 3, kSegments = 40; // steps between two points of the outline
     std::vector<ProfilePoint> profile;
     float length = 0.0f;
-    const int count = kSteps * (int(outline.size()) - 1);
+    const int count = steps * (int(outline.size()) - 1);
     for (int i = 0; i <= count; ++i) {
-        const float along = float(i) / kSteps;
+        const float along = float(i) / float(steps);
         const glm::vec2 p = onOutline(outline, along);
-        const glm::vec2 after = onOutline(outline, std::min(along + 0.02f, float(count) / kSteps)),
+        const glm::vec2 after = onOutline(outline, std::min(along + 0.02f, float(count) / float(steps))),
                         before = onOutline(outline, std::max(along - 0.02f, 0.0f));
         const glm::vec2 forward = glm::normalize(after - before);
         if (i > 0)
@@ -138,7 +137,7 @@ Shape turnedPiece(const Outline& outline)
     }
     for (ProfilePoint& p : profile)
         p.uvRadius *= kUvRadius / length;
-    return lathe(profile, kSegments);
+    return lathe(profile, segments);
 }
 
 } // namespace lumel::assets

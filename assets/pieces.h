@@ -17,6 +17,7 @@ extern const std::array<Piece, kPieceCount> kPieces; // the first is a ball
 // Distance from the middle of a piece's map to its foot, in units of the map's width.
 inline constexpr float kUvRadius = 0.49f;
 
-Shape turnedPiece(const Outline& outline);
+// `steps` between two points of the outline, `segments` around.
+Shape turnedPiece(const Outline& outline, int steps = 3, int segments = 40);
 
 } // namespace lumel::assets

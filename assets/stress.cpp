@@ -19,6 +19,7 @@ constexpr int kLamps = 64;
 constexpr float kSeconds = 20.0f; // one round of the camera and the lanterns
 constexpr float kRadius = 72.0f;  // metres, of all pieces
 constexpr float kTile = 13.0f;    // metres a side of a piece of the ground
+constexpr float kFine = 30.0f;    // metres: farther out, 10 m from the camera at least, coarser shapes do
 constexpr float kRoad = 0.8f;     // metres free on both sides of the camera's way
 
 // A seed of a sunflower, nearer together in the middle: its place, and the distance to its neighbours.
@@ -123,7 +124,7 @@ void addLamps(GltfWriter& gltf, int globe)
         const float candela = 11.0f * height * height; // 11 lux on the ground below
         const std::string name = "lantern " + std::to_string(i);
         const Keys keys = closedCurve(12, placeAt);
-        const int light = gltf.addPoint(name, keys.places[0], kLampColours[colour], candela, 6.0f * height);
+        const int light = gltf.addPoint(name, keys.places[0], kLampColours[colour], candela, 4.5f * height);
         const int glow =
             gltf.addObject(name, globe, glows[colour], {.position = keys.places[0], .scale = 0.11f * height});
         gltf.move({light, glow}, keys.seconds, keys.places, keys.tangents);
@@ -149,7 +150,10 @@ void writeStress(const std::filesystem::path& folder)
     GltfWriter gltf(folder, "stress");
     const CrowdLooks crowd = addCrowdLooks(gltf);
     const int pieces = kObjects - kLamps - addGround(gltf, crowd.ground);
-    addLamps(gltf, crowd.shapes[0]);
+    addLamps(gltf, gltf.addShape(turnedPiece(kPieces[0].outline, 2, 20)));
+    std::array<int, kPieceCount> coarse;
+    std::transform(kPieces.begin(), kPieces.end(), coarse.begin(),
+                   [&](const Piece& piece) { return gltf.addShape(turnedPiece(piece.outline, 2, 20)); });
     int placed = 0;
     for (int i = 0; placed < pieces; ++i) {
         const Seed seed = seedOf(i, pieces, 0.0f);
@@ -158,7 +162,9 @@ void writeStress(const std::filesystem::path& folder)
             continue;
         const size_t look = size_t(i) % kCrowdLooks; // a Fibonacci number: arms of one material
         const size_t shape = (look + size_t(i / 55)) % kPieceCount;
-        gltf.addObject(kPieces[shape].name + std::to_string(i), crowd.shapes[shape], crowd.materials[look],
+        gltf.addObject(kPieces[shape].name + std::to_string(i),
+                       glm::length(seed.place) < kFine ? crowd.shapes[shape] : coarse[shape],
+                       crowd.materials[look],
                        {.position = seed.place, .turnDegrees = 360.0f * random01(i, 42), .scale = size});
         ++placed;
     }

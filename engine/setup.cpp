@@ -69,20 +69,20 @@ RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, co
                             {"model", kModelNames[size_t(arguments.model)]},
                             {"samples", std::to_string(settings.samples)},
                             {"msaa", std::to_string(settings.msaa)},
-                            {"draw_filter", kDrawFilterNames[size_t(settings.filter)]},
+                            {"draw-filter", kDrawFilterNames[size_t(settings.filter)]},
                             {"anisotropy", text(settings.anisotropy)},
-                            {"level_offset", text(settings.levelOffset)},
-                            {"lumels_per_pixel", text(settings.lumelsPerPixel)},
-                            {"refresh_share", text(settings.refreshShare)},
+                            {"level-offset", text(settings.levelOffset)},
+                            {"lumels-per-pixel", text(settings.lumelsPerPixel)},
+                            {"refresh-share", text(settings.refreshShare)},
                             {"tolerance", text(settings.tolerance)},
                             {"exposure", text(settings.exposure)}}};
     if (arguments.lights > 0)
         run.options["lights"] = std::to_string(arguments.lights);
     if (settings.lumelBudget != ~0u)
-        run.options["lumel_budget"] = std::to_string(settings.lumelBudget);
+        run.options["lumel-budget"] = std::to_string(settings.lumelBudget);
     if (path.seconds) {
         run.options["time"] = text(*path.seconds);
-        run.options["time_step"] = text(path.timeStep);
+        run.options["time-step"] = text(path.timeStep);
     }
     return run;
 }

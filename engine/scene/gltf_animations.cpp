@@ -49,9 +49,7 @@ std::map<int, NodeTracks> readTracks(Reader& reader)
     size_t keys = 0;
     for (const tinygltf::Animation& animation : reader.model.animations)
         for (const tinygltf::AnimationChannel& channel : animation.channels) {
-            if (channel.target_node < 0)
-                continue; // glTF 2.0, section 3.11: "the channel SHOULD be ignored"
-            if (size_t(channel.target_node) >= reader.model.nodes.size())
+            if (channel.target_node < 0 || size_t(channel.target_node) >= reader.model.nodes.size())
                 reader.fail(
                     fmt::format("an animation moves node {}, which does not exist", channel.target_node));
             if (channel.sampler < 0 || size_t(channel.sampler) >= animation.samplers.size())

@@ -295,6 +295,21 @@ void DocumentReader::dropUndrawn()
 {
     if (root_.erase("skins") > 0)
         document_.ignored.insert("skins");
+    // glTF 2.0, section 3.11: a channel without a node moves something that only an extension knows.
+    if (!root_.contains("animations") || !root_["animations"].is_array())
+        return;
+    for (Json& animation : root_["animations"]) {
+        if (!animation.is_object() || !animation.contains("channels") || !animation["channels"].is_array())
+            fail("an animation has no channels");
+        Json& channels = animation["channels"];
+        channels.erase(std::remove_if(channels.begin(), channels.end(),
+                                      [](const Json& channel) {
+                                          return channel.is_object() && channel.contains("target") &&
+                                                 channel["target"].is_object() &&
+                                                 !channel["target"].contains("node");
+                                      }),
+                       channels.end());
+    }
 }
 
 } // namespace

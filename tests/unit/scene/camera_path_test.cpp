@@ -75,6 +75,20 @@ TEST(CameraPath, DollyScalesTheDistanceByTheSameFactorEachFrame)
     }
 }
 
+TEST(CameraPath, PanMovesEyeAndTargetSidewaysInStep)
+{
+    const Camera start = lookingDown();
+    const glm::vec3 gaze = start.target - start.eye;
+    const Camera camera = cameraOnPath(start, Path::pan, 2.0, 5);
+    const glm::vec3 way = camera.eye - start.eye;
+    EXPECT_NEAR(glm::length(way), 0.1f * glm::length(gaze), 1e-5f);
+    EXPECT_NEAR(glm::dot(way, gaze), 0.0f, 1e-5f);
+    EXPECT_NEAR(glm::dot(way, start.up), 0.0f, 1e-5f);
+    EXPECT_GT(glm::dot(way, glm::cross(gaze, start.up)), 0.0f);
+    EXPECT_NEAR(glm::distance(camera.target - camera.eye, gaze), 0.0f, 1e-5f);
+    expectSame(cameraOnPath(start, Path::pan, -2.0, -5), camera, 1e-6f);
+}
+
 TEST(CameraPath, LongDolliesStayUsable)
 {
     const Camera start = lookingDown();

@@ -1,0 +1,110 @@
+#include "schema.h"
+#include <gtest/gtest.h>
+
+namespace lumel::cli {
+namespace {
+
+using nlohmann::json;
+
+// A template: objects have exactly its fields; 0 stands for a number, "" for a text, null for a number or
+// null, an empty object for any texts by name. Arrays hold elements like the template's first.
+void expectLike(const json& value, const json& form, const std::string& where)
+{
+    if (form.is_number()) {
+        EXPECT_TRUE(value.is_number() && value >= 0) << where << ": " << value;
+    } else if (form.is_string()) {
+        EXPECT_TRUE(value.is_string()) << where << ": " << value;
+    } else if (form.is_null()) {
+        EXPECT_TRUE(value.is_null() || value.is_number()) << where << ": " << value;
+    } else if (form.is_array()) {
+        ASSERT_TRUE(value.is_array()) << where;
+        for (const json& element : value)
+            expectLike(element, form.front(), where + "[]");
+    } else {
+        ASSERT_TRUE(value.is_object()) << where;
+        for (const auto& [name, part] : value.items()) {
+            EXPECT_TRUE(form.empty() || form.contains(name)) << where << "." << name << " is not documented";
+            if (form.empty() || form.contains(name))
+                expectLike(part, form.empty() ? json("") : form.at(name), where + "." + name);
+        }
+        for (const auto& [name, part] : form.items())
+            EXPECT_TRUE(value.contains(name)) << where << "." << name << " is missing";
+    }
+}
+
+json formOfRun()
+{
+    const json passes = {{"need", 0}, {"plan", 0}, {"light", 0}, {"lower", 0}, {"draw", 0}, {"display", 0}};
+    const json frame = {{"ms", 0},
+                        {"passes", passes},
+                        {"lumels", {{"marked", 0}, {"lit", 0}, {"derived", 0}, {"kept", 0}, {"pending", 0}}},
+                        {"pixels_covered", 0},
+                        {"tiles", {{"marked", 0}, {"lit", 0}}},
+                        {"pool", {{"used_bytes", 0}, {"cap_bytes", 0}, {"textures", 0}}},
+                        {"objects", {{"tsl", 0}, {"forward", 0}, {"culled", 0}}},
+                        {"render_scale", 0},
+                        {"level_bias", 0},
+                        {"level_offset", 0},
+                        {"error_rmse", nullptr},
+                        {"flicker_rmse", nullptr},
+                        {"change_rmse", nullptr}};
+    const json summary = {
+        {"mean_ms", 0},          {"p50_ms", 0}, {"p95_ms", 0},           {"p99_ms", 0},
+        {"max_ms", 0},           {"missed", 0}, {"error_rmse", nullptr}, {"flicker_rmse", nullptr},
+        {"change_rmse", nullptr}};
+    return {{"schema", 0},
+            {"version", ""},
+            {"device", ""},
+            {"driver", ""},
+            {"size", {0}},
+            {"scene", ""},
+            {"shading", ""},
+            {"filter", ""},
+            {"options", json::object()},
+            {"frames", json::array({frame})},
+            {"summary", summary}};
+}
+
+} // namespace
+
+void expectRunOfSchema(const json& run)
+{
+    expectLike(run, formOfRun(), "run");
+    EXPECT_EQ(run.at("schema"), 1);
+    EXPECT_EQ(run.at("size").size(), 2u);
+    EXPECT_FALSE(run.at("frames").empty());
+    const json& summary = run.at("summary");
+    double sum = 0.0, most = 0.0;
+    for (const json& frame : run.at("frames")) {
+        EXPECT_GT(frame.at("ms"), 0.0);
+        sum += frame.at("ms").get<double>();
+        most = std::max(most, frame.at("ms").get<double>());
+        const json& lumels = frame.at("lumels");
+        EXPECT_EQ(lumels.at("lit").get<int>() + lumels.at("derived").get<int>() +
+                      lumels.at("kept").get<int>(),
+                  lumels.at("marked").get<int>());
+    }
+    EXPECT_NEAR(summary.at("mean_ms"), sum / double(run.at("frames").size()), 1e-9 * sum);
+    EXPECT_EQ(summary.at("max_ms"), most);
+    EXPECT_LE(summary.at("p50_ms"), summary.at("p95_ms"));
+    EXPECT_LE(summary.at("p95_ms"), summary.at("p99_ms"));
+    EXPECT_LE(summary.at("p99_ms"), summary.at("max_ms"));
+}
+
+std::set<std::string> fieldNames(const json& document)
+{
+    std::set<std::string> names;
+    if (document.is_object()) {
+        for (const auto& [name, part] : document.items()) {
+            names.insert(name);
+            if (name != "options")
+                names.merge(fieldNames(part));
+        }
+    } else if (document.is_array()) {
+        for (const json& element : document)
+            names.merge(fieldNames(element));
+    }
+    return names;
+}
+
+} // namespace lumel::cli

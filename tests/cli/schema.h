@@ -1,0 +1,15 @@
+// The statistics' documented form (README), field by field.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+namespace lumel::cli {
+
+// What one run of `shot --stats` or `bench --json` must be; each difference is a test failure that names it.
+void expectRunOfSchema(const nlohmann::json& run);
+
+// All names of fields in the document, but those of `options` (they are the commands').
+std::set<std::string> fieldNames(const nlohmann::json& document);
+
+} // namespace lumel::cli
