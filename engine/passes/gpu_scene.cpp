@@ -159,6 +159,8 @@ void GpuScene::setLights(const std::vector<scene::Light>& lights, uint32_t frame
 void GpuScene::moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame)
 {
     shared::Object& data = objects_[object].data;
+    if (data.worldFromObject == worldFromObject)
+        return; // animations pause
     data.worldFromObject = worldFromObject;
     data.worldFromObjectNormal = glm::transpose(glm::inverse(glm::mat3(worldFromObject)));
     data.changed = changed_ = frame;
