@@ -53,6 +53,7 @@ struct BenchRunner::Run {
 struct BenchRunner::View {
     Playback playback;
     Bounds bounds;
+    std::vector<scene::Object> objects;
     int lightsNow = 0; // of the load
     std::vector<std::unique_ptr<Run>> runs;
     std::unique_ptr<Renderer> reference;
@@ -111,8 +112,8 @@ void BenchRunner::addView(scene::Scene& scene, const BenchArguments& arguments)
     PathOptions path = arguments.path;
     if (arguments.usualPath)
         path.path = camera.node >= 0 ? scene::Path::animation : scene::Path::orbit;
-    views_.push_back(std::unique_ptr<View>(
-        new View{Playback(scene, camera, path), scene.bounds, arguments.lights, {}, nullptr, {}}));
+    views_.push_back(std::unique_ptr<View>(new View{
+        Playback(scene, camera, path), scene.bounds, scene.objects, arguments.lights, {}, nullptr, {}}));
     View& view = *views_.back();
     for (const BenchShading& shading : arguments_.shadings) {
         SceneArguments way = arguments;
@@ -228,7 +229,8 @@ nlohmann::json BenchRunner::document() const
     nlohmann::json runs = nlohmann::json::array();
     for (const auto& view : views_)
         for (const auto& run : view->runs)
-            runs.push_back(statsJson(run->info, run->frames));
+            runs.push_back(statsJson(run->info, run->frames, objectsOf(view->objects, run->renderer),
+                                     run->renderer.lumelsByTileSize()));
     return {{"schema", 1}, {"version", LUMEL_VERSION}, {"runs", runs}};
 }
 

@@ -116,7 +116,8 @@ void runShot(const ShotArguments& arguments)
     if (!arguments.stats.empty())
         writeFileAtomically(
             arguments.stats,
-            statsJson(run, frames, objectsOf(scene, renderer), renderer.lumelsByTileSize()).dump(1) + "\n");
+            statsJson(run, frames, objectsOf(scene.objects, renderer), renderer.lumelsByTileSize()).dump(1) +
+                "\n");
     printSummary(arguments, run, camera.name, frames);
     checkValidation(device);
 }

@@ -87,6 +87,14 @@ RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, co
     return run;
 }
 
+std::vector<ObjectStats> objectsOf(const std::vector<scene::Object>& objects, const Renderer& renderer)
+{
+    std::vector<ObjectStats> stats = renderer.objectStats();
+    for (size_t i = 0; i < stats.size(); ++i)
+        stats[i].name = objects[i].name;
+    return stats;
+}
+
 void checkValidation(const gpu::Device& device)
 {
     if (!device.validationMessages().empty())

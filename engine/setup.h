@@ -12,6 +12,9 @@ scene::Camera chooseCamera(const SceneArguments& arguments, const scene::Scene& 
 RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, const scene::Camera& camera,
                     const gpu::Device& device);
 
+// Statistics of the last frame's objects with their names. `objects`: the scene's, as rendered.
+std::vector<ObjectStats> objectsOf(const std::vector<scene::Object>& objects, const Renderer& renderer);
+
 // Throws Error when --validate found something.
 void checkValidation(const gpu::Device& device);
 

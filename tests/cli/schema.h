@@ -9,7 +9,8 @@ namespace lumel::cli {
 // What one run of `shot --stats` or `bench --json` must be; each difference is a test failure that names it.
 void expectRunOfSchema(const nlohmann::json& run);
 
-// All names of fields in the document, but those of `options` (they are the commands').
+// All names of fields in the document, but those inside `options` and `lumels_by_tile_size`: options and
+// numbers.
 std::set<std::string> fieldNames(const nlohmann::json& document);
 
 } // namespace lumel::cli
