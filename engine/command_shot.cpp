@@ -96,6 +96,8 @@ void runShot(const ShotArguments& arguments)
     if (extension != ".png" && extension != ".exr")
         throw Error(fmt::format("{}: unknown picture format; end the name in .png or .exr",
                                 arguments.output.string()));
+    if (arguments.settings.budgetMs > 0.0 && arguments.settings.shading == Shading::reference)
+        throw Error("--budget-ms: the reference has one quality only; leave the budget out");
     const FrameFiles files(arguments.output, arguments.frames);
     checkWritable(files.of(0));
     if (!arguments.stats.empty())

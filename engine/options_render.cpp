@@ -37,11 +37,20 @@ const std::map<std::string, DrawFilter> kDrawFilters = {{"bilinear", DrawFilter:
                                                         {"b-spline", DrawFilter::bspline},
                                                         {"catmull-rom", DrawFilter::catmullRom},
                                                         {"catmull-rom-16", DrawFilter::catmullRomExact}};
-const std::map<std::string, View> kViews = {
-    {"level", View::level},     {"age", View::age},           {"lit", View::lit},
-    {"density", View::density}, {"mode", View::mode},         {"charts", View::charts},
-    {"normal", View::normal},   {"power", View::power},       {"anisotropy", View::anisotropy},
-    {"diffuse", View::diffuse}, {"specular", View::specular}, {"error", View::error}, {"overshading", View::overshading}, {"pool", View::pool}};
+const std::map<std::string, View> kViews = {{"level", View::level},
+                                            {"age", View::age},
+                                            {"lit", View::lit},
+                                            {"density", View::density},
+                                            {"mode", View::mode},
+                                            {"charts", View::charts},
+                                            {"normal", View::normal},
+                                            {"power", View::power},
+                                            {"anisotropy", View::anisotropy},
+                                            {"diffuse", View::diffuse},
+                                            {"specular", View::specular},
+                                            {"error", View::error},
+                                            {"overshading", View::overshading},
+                                            {"pool", View::pool}};
 
 void addDeviceOptions(CLI::App* command, SceneArguments& a)
 {
@@ -91,9 +100,10 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
         ->transform(CLI::CheckedTransformer(kShadings).description(""))
         ->default_str("tsl");
     command
-        ->add_option("--view", a.settings.view,
-                     "show in place of the picture: level, age, lit, density, overshading, pool, mode, charts, "
-                     "normal, power, anisotropy, diffuse, specular or error")
+        ->add_option(
+            "--view", a.settings.view,
+            "show in place of the picture: level, age, lit, density, overshading, pool, mode, charts, "
+            "normal, power, anisotropy, diffuse, specular or error")
         ->transform(CLI::CheckedTransformer(kViews).description(""));
     command->add_option("--filter", a.filter, kMethodHelp)
         ->transform(CLI::CheckedTransformer(kMethods).description(""))
@@ -121,6 +131,11 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
     command->add_option("--lumel-budget", a.settings.lumelBudget, "tsl: lumels lit a frame; the others wait")
         ->check(CLI::Range(64u, ~0u))
         ->default_str("unlimited");
+    command
+        ->add_option("--budget-ms", a.settings.budgetMs,
+                     "hold each frame within this time: fewer lumels a frame, coarser ones, fewer pixels")
+        ->check(CLI::Range(0.1, 10000.0))
+        ->default_str("none");
     command
         ->add_option("--refresh-share", a.settings.refreshShare,
                      "tsl: share of the visible lumels lit again a frame because the camera moved")

@@ -63,6 +63,7 @@ RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, co
                 .filter = kFilterNames[size_t(arguments.filter)],
                 .width = settings.size.x,
                 .height = settings.size.y,
+                .budgetMs = settings.budgetMs,
                 .options = {{"camera", camera.name},
                             {"path", kPathNames[size_t(path.path)]},
                             {"step", text(path.stepOrUsual())},
@@ -78,6 +79,8 @@ RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, co
                             {"exposure", text(settings.exposure)}}};
     if (arguments.lights > 0)
         run.options["lights"] = std::to_string(arguments.lights);
+    if (settings.budgetMs > 0.0)
+        run.options["budget-ms"] = text(settings.budgetMs);
     if (settings.lumelBudget != ~0u)
         run.options["lumel-budget"] = std::to_string(settings.lumelBudget);
     if (path.seconds) {

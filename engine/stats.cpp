@@ -32,7 +32,9 @@ json frameJson(const FrameStats& f)
             {"pool",
              {{"used_bytes", f.poolUsedBytes}, {"cap_bytes", f.poolCapBytes}, {"textures", f.poolTextures}}},
             {"objects", {{"tsl", f.objectsTsl}, {"forward", f.objectsForward}, {"culled", f.objectsCulled}}},
-            {"render_scale", 1.0},
+            {"render_scale", f.renderScale},
+            {"lumel_budget", f.lumelBudget == ~0u ? json(nullptr) : json(f.lumelBudget)},
+            {"budget_bias", f.budgetBias},
             {"level_bias", f.levelBias},
             {"level_offset", f.levelOffset},
             {"error_rmse", orNull(f.errorRmse)},
@@ -62,10 +64,12 @@ json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames,
     json list = json::array();
     std::vector<double> times;
     double sum = 0.0;
+    size_t missed = 0;
     for (const FrameStats& f : frames) {
         list.push_back(frameJson(f));
         times.push_back(f.ms);
         sum += f.ms;
+        missed += run.budgetMs > 0.0 && f.ms > run.budgetMs ? 1 : 0;
     }
     json summary = json::object();
     if (!times.empty())
@@ -77,7 +81,7 @@ json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames,
                    {"error_rmse", orNull(overFrames(frames, &FrameStats::errorRmse))},
                    {"flicker_rmse", orNull(overFrames(frames, &FrameStats::flickerRmse))},
                    {"change_rmse", orNull(overFrames(frames, &FrameStats::changeRmse))},
-                   {"missed", 0}}; // frames over the budget; there is none yet
+                   {"missed", missed}}; // frames over the budget
     json table = json::array();
     for (const ObjectStats& o : objects)
         table.push_back({{"name", o.name},

@@ -23,6 +23,8 @@ struct FrameStats {
     // RMSE in display values, where measured: of the picture against the reference's; of its difference to
     // the frame before against the reference's; and of that difference of the reference alone.
     std::optional<double> errorRmse, flickerRmse, changeRmse;
+    float renderScale = 1.0f, budgetBias = 0.0f; // budgetBias: levels given up for the frame budget
+    size_t lumelBudget = ~0u;                    // lumels that the frame might light
 };
 
 // One object in a frame.
@@ -37,6 +39,7 @@ struct ObjectStats {
 struct RunInfo {
     std::string version, device, driver, scene, shading, filter;
     unsigned width = 0, height = 0;
+    double budgetMs = 0.0;                      // 0 = none
     std::map<std::string, std::string> options; // what else the picture depends on
 };
 
