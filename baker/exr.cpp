@@ -194,8 +194,9 @@ ReflectanceMips readExr(const std::filesystem::path& file)
     }
     ReflectanceMips mips;
     const OIIO::ImageSpec first = input->spec();
-    if (first.width < 1 || first.height < 1 || size_t(first.width) * size_t(first.height) > kMaxImagePixels)
+    if (first.width < 1 || first.height < 1)
         reject(name, "impossible size");
+    checkImageSize(size_t(first.width), size_t(first.height), 1, std::filesystem::file_size(file), name);
     const auto indices = channelIndices(first, name);
     mips.model = first.get_string_attribute("lumel:model");
     mips.method = first.get_string_attribute("lumel:method");
