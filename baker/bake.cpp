@@ -70,7 +70,7 @@ ReflectanceMips metadata(const Maps& maps, const Options& options)
 glm::ivec2 mapSize(const Maps& maps)
 {
     glm::ivec2 size(0);
-    for (const Image* image : {&maps.height, &maps.normal, &maps.power, &maps.roughness,
+    for (const Image* image : {&maps.height, &maps.normal, &maps.power, &maps.roughness, &maps.anisotropy,
                                &maps.tangentRotation, &maps.specular, &maps.diffuse})
         size = glm::max(size, glm::ivec2(image->width, image->height));
     return size;

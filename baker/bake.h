@@ -37,6 +37,7 @@ struct Maps {
     Image power; // channel 0: Blinn-Phong power, as stored
     float powerConstant = 200.0f;
     Image roughness;                  // channel 0: glTF perceptual roughness; wins over power when present
+    Image anisotropy;                 // channel 0: glTF anisotropy strength in [0, 1]; needs a roughness map
     Image tangentRotation;            // channel 0: [0, 1] = rotation of the anisotropy axes by [0, pi)
     glm::vec2 anisotropicPower{0.0f}; // base power along Tu and Tv; 0 = isotropic
     Image specular;                   // rgb or grey Ks
@@ -73,6 +74,9 @@ glm::ivec2 mapSize(const Maps& maps);
 // glTF perceptual roughness r in [0, 1] to Blinn-Phong power: alpha = r^2, p = 2 / alpha^2 - 2
 // (Walter et al. 2007, section 5.2, equates the two lobes), clamped to [kMinPower, kMaxPower].
 float powerFromRoughness(float perceptualRoughness);
+// Perceptual roughness along and across the direction of anisotropy (KHR_materials_anisotropy):
+// alpha along it is mix(alpha, 1, strength^2), across it alpha.
+glm::vec2 anisotropicRoughness(float perceptualRoughness, float strength);
 
 // Takes a chain's levels as they are done, the finest first, each from its first row to its last.
 struct LevelSink {

@@ -7,7 +7,7 @@ std::string sourceHash(const Maps& maps, const Options& options)
 {
     ContentHash hash;
     hash.add(std::string(kVersion));
-    for (const Image* image : {&maps.height, &maps.normal, &maps.power, &maps.roughness,
+    for (const Image* image : {&maps.height, &maps.normal, &maps.power, &maps.roughness, &maps.anisotropy,
                                &maps.tangentRotation, &maps.specular, &maps.diffuse}) {
         hash.addValue(image->width).addValue(image->height).addValue(image->channels);
         hash.add(image->pixels.data(), image->pixels.size() * sizeof(float));

@@ -109,11 +109,14 @@ Source::Source(const Maps& maps) : maps_(maps)
     checkImage(maps.normal, "normal", 2);
     checkImage(maps.power, "power", 1);
     checkImage(maps.roughness, "roughness", 1);
+    checkImage(maps.anisotropy, "anisotropy", 1);
     checkImage(maps.tangentRotation, "tangent rotation", 1);
     checkImage(maps.specular, "specular", 1);
     checkImage(maps.diffuse, "diffuse", 1);
     if (!maps.height.empty() && (!std::isfinite(maps.heightScale) || maps.heightScale == 0.0f))
         throw Error("height scale 0: give the height of white in units of the map's width, such as 0.02");
+    if (!maps.anisotropy.empty() && maps.roughness.empty())
+        throw Error("an anisotropy map without a roughness map: give one");
     checkConstant(maps.normalScale, -1e6f, "normal scale");
     checkConstant(maps.powerConstant, 0.0f, "power");
     checkConstant(maps.anisotropicPower.x, 0.0f, "power along u");
@@ -125,7 +128,7 @@ Source::Source(const Maps& maps) : maps_(maps)
     width_ = mapSize(maps).x;
     height_ = mapSize(maps).y;
     const glm::vec2 p = maps.anisotropicPower;
-    isotropic_ = p.x <= 0.0f || p.y <= 0.0f || p.x == p.y;
+    isotropic_ = maps.anisotropy.empty() && (p.x <= 0.0f || p.y <= 0.0f || p.x == p.y);
     colouredSpecular_ = maps.specular.channels >= 3;
     maxPower_ = shared::kMaxPower;
     constantPower_ = maps.power.empty() && maps.roughness.empty();
@@ -158,7 +161,8 @@ void Source::readNormals(int y, int x0, int x1, Lobes& out, size_t at) const
 }
 
 // S = R diag(1/pu, 1/pv) R^T, R turning Tu by the texel's rotation. A power or roughness map sets the
-// geometric mean sqrt(pu pv); the anisotropic constants then give only the ratio.
+// geometric mean sqrt(pu pv); the anisotropic constants then give only the ratio. With an anisotropy map the
+// roughness is that along Tv.
 void Source::readPowers(int y, int x0, int x1, Lobes& out, size_t at) const
 {
     const glm::vec2 pair = maps_.anisotropicPower;
@@ -175,16 +179,24 @@ void Source::readPowers(int y, int x0, int x1, Lobes& out, size_t at) const
         return;
     }
     for (int x = x0; x < x1; ++x, ++at) {
-        float mean = aniso ? std::sqrt(pair.x * pair.y) : maps_.powerConstant;
-        if (!map.empty()) {
-            const auto get = [&](int i, int j) { return *map.at(i, j); };
-            const float value = map.width == width_ && map.height == height_
-                                    ? get(x, y)
-                                    : Sampler(*this, map.width, map.height, x, y).blend(get);
-            mean = maps_.roughness.empty() ? value : powerFromRoughness(value);
+        const auto lookUp = [&](const Image& from) {
+            const auto get = [&](int i, int j) { return *from.at(i, j); };
+            return from.width == width_ && from.height == height_
+                       ? get(x, y)
+                       : Sampler(*this, from.width, from.height, x, y).blend(get);
+        };
+        float along = aniso ? std::sqrt(pair.x * pair.y) : maps_.powerConstant, across;
+        if (!map.empty())
+            along = maps_.roughness.empty() ? lookUp(map) : powerFromRoughness(lookUp(map));
+        across = along / ratio;
+        along *= ratio;
+        if (!maps_.anisotropy.empty()) {
+            const glm::vec2 rough = anisotropicRoughness(lookUp(map), lookUp(maps_.anisotropy));
+            along = powerFromRoughness(rough.x);
+            across = powerFromRoughness(rough.y);
         }
-        const float su = 1.0f / clampPower(mean * ratio);
-        const float sv = 1.0f / clampPower(mean / ratio);
+        const float su = 1.0f / clampPower(along);
+        const float sv = 1.0f / clampPower(across);
         out.sxx[at] = su;
         out.sxy[at] = 0.0f;
         out.syy[at] = sv;
@@ -229,6 +241,12 @@ void Source::read(int y, int x0, int x1, Lobes& out, size_t at) const
     readPowers(y, x0, x1, out, at);
     readColours(maps_.specular, maps_.specularConstant, y, x0, x1, out.ks, at);
     readColours(maps_.diffuse, maps_.diffuseConstant, y, x0, x1, out.kd, at);
+}
+
+glm::vec2 anisotropicRoughness(float perceptualRoughness, float strength)
+{
+    const float alpha = perceptualRoughness * perceptualRoughness;
+    return {std::sqrt(alpha + (1.0f - alpha) * strength * strength), perceptualRoughness};
 }
 
 float powerFromRoughness(float perceptualRoughness)

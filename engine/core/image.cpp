@@ -2,6 +2,7 @@
 #include "error.h"
 #include "file.h"
 #include "shared/tonemap.h"
+#include "webp.h"
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
@@ -26,16 +27,14 @@ OIIO::ImageSpec asStored()
     return config;
 }
 
-Image readOpened(OIIO::ImageInput& input, const std::string& name)
+Image readOpened(OIIO::ImageInput& input, const std::string& name, size_t encodedBytes)
 {
     const OIIO::ImageSpec& spec = input.spec();
     if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1)
         throw Error(fmt::format("{}: not a 2D image; export it as PNG, JPEG, TIFF or EXR", name));
-    if (size_t(spec.width) * size_t(spec.height) > kMaxImagePixels)
-        throw Error(fmt::format("{}: {} x {} pixels exceed the limit of 16384 x 16384; scale it down", name,
-                                spec.width, spec.height));
     if (spec.nchannels > 64)
         throw Error(fmt::format("{}: {} channels, at most 64 are read; export fewer", name, spec.nchannels));
+    checkImageSize(size_t(spec.width), size_t(spec.height), size_t(spec.nchannels), encodedBytes, name);
     Image image(spec.width, spec.height, spec.nchannels);
     if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
         throw Error(
@@ -44,6 +43,20 @@ Image readOpened(OIIO::ImageInput& input, const std::string& name)
 }
 
 } // namespace
+
+void checkImageSize(size_t width, size_t height, size_t channels, size_t encodedBytes,
+                    const std::string& name)
+{
+    constexpr size_t kFewPixels = size_t(4096) * 4096, kMaxPixelsPerByte = 16384;
+    const size_t pixels = width * height; // each at most 2^31
+    if (pixels > kMaxImagePixels || pixels * channels > 4 * kMaxImagePixels)
+        throw Error(fmt::format("{}: {} x {} pixels of {} channels exceed the limit of 16384 x 16384 of 4; "
+                                "scale it down",
+                                name, width, height, channels));
+    if (pixels > kFewPixels && pixels / kMaxPixelsPerByte > encodedBytes)
+        throw Error(fmt::format("{}: {} x {} pixels cannot be in {} bytes; export it again", name, width,
+                                height, encodedBytes));
+}
 
 Image readImage(const std::filesystem::path& file)
 {
@@ -56,6 +69,8 @@ Image readImage(const std::filesystem::path& file)
         throw Error(fmt::format("{}: is a folder; name an image file in it", name));
     if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, code) == 0)
         throw Error(fmt::format("{}: empty file (0 bytes); export it again", name));
+    if (file.extension() == ".webp")
+        return readImage(readFile(file), name);
     const OIIO::ImageSpec config = asStored();
     auto input = OIIO::ImageInput::open(name, &config);
     if (!input) {
@@ -63,23 +78,25 @@ Image readImage(const std::filesystem::path& file)
         throw Error(fmt::format("{}: cannot be read as an image{}; use PNG, JPEG, TIFF or EXR", name,
                                 why.empty() ? "" : " (" + why + ")"));
     }
-    return readOpened(*input, name);
+    return readOpened(*input, name, size_t(std::filesystem::file_size(file, code)));
 }
 
 Image readImage(std::span<const std::byte> bytes, const std::string& name)
 {
     if (bytes.empty())
         throw Error(fmt::format("{}: empty image; export it again", name));
+    if (isWebp(bytes))
+        return readWebp(bytes, name);
     // The format is told by content, so the name's extension does not matter.
     OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
-    for (const char* format : {"png", "jpeg", "webp", "openexr", "tiff", "tga"}) {
+    for (const char* format : {"png", "jpeg", "openexr", "tiff", "tga"}) {
         auto input = OIIO::ImageInput::create(format);
         if (!input || !input->supports("ioproxy") || !input->set_ioproxy(&reader))
             continue;
         OIIO::ImageSpec spec;
         reader.seek(0);
         if (input->open(name, spec, asStored()))
-            return readOpened(*input, name);
+            return readOpened(*input, name, bytes.size());
         (void)input->geterror();
     }
     (void)OIIO::geterror();

@@ -26,6 +26,11 @@ struct Image {
 // Files that declare more pixels than this are refused before anything is allocated (image bombs).
 inline constexpr size_t kMaxImagePixels = size_t(16384) * 16384;
 
+// Throws Error, naming it `name`, for a declared size beyond kMaxImagePixels of 4 channels, and for one of
+// more than 4096 x 4096 that so few encoded bytes cannot hold: no PNG or JPEG packs 16384 pixels into a byte.
+void checkImageSize(size_t width, size_t height, size_t channels, size_t encodedBytes,
+                    const std::string& name);
+
 // Reads the first subimage. Integer formats map to [0, 1], floats stay as stored; no colour conversion.
 // Throws Error naming the file when it is missing, empty, not an image, truncated or too large.
 Image readImage(const std::filesystem::path& file);

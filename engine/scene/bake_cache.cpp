@@ -45,13 +45,22 @@ std::string BakeCache::key(const Material& m) const
     ContentHash hash;
     hash.add(std::string(baker::kVersion)).add(std::string(kMapsVersion));
     hash.addValue(int(options_.method)).addValue(int(options_.model));
-    for (float value :
-         {m.baseColor.x, m.baseColor.y, m.baseColor.z, m.metallic, m.roughness, m.normalScale,
-          m.occlusionStrength, m.emissive.x, m.emissive.y, m.emissive.z, m.heightScale, m.power})
+    for (float value : {m.baseColor.x,       m.baseColor.y,
+                        m.baseColor.z,       m.metallic,
+                        m.roughness,         m.normalScale,
+                        m.occlusionStrength, m.emissive.x,
+                        m.emissive.y,        m.emissive.z,
+                        m.heightScale,       m.power,
+                        m.glossiness,        m.ior,
+                        m.specular,          m.specularColor.x,
+                        m.specularColor.y,   m.specularColor.z,
+                        m.anisotropy,        m.anisotropyRotation})
         hash.addValue(value);
-    for (int image : {m.baseColorImage, m.metallicRoughnessImage, m.normalImage, m.occlusionImage,
-                      m.emissiveImage, m.heightImage})
+    for (int image :
+         {m.baseColorImage, m.metallicRoughnessImage, m.normalImage, m.occlusionImage, m.emissiveImage,
+          m.heightImage, m.specularImage, m.specularColorImage, m.anisotropyImage})
         hash.add(image < 0 ? std::string("none") : imageHashes_[size_t(image)]);
+    hash.addValue(m.specularGlossiness).addValue(m.unlit);
     return hash.hex();
 }
 

@@ -58,12 +58,8 @@ void logUnlit(const Scene& scene)
         spdlog::info("{}: {} more objects are drawn forward", scene.file.string(), count - kMaxLines);
 }
 
-} // namespace
-
-Scene loadGltf(const std::filesystem::path& file)
+Scene readScene(Reader& reader, const std::filesystem::path& file)
 {
-    Reader reader;
-    reader.document = readDocument(file);
     parseModel(reader);
     Scene scene;
     scene.file = file;
@@ -76,6 +72,20 @@ Scene loadGltf(const std::filesystem::path& file)
         spdlog::info("{}: ignored: {}", reader.document.file, fmt::join(reader.document.ignored, ", "));
     logUnlit(scene);
     return scene;
+}
+
+} // namespace
+
+Scene loadGltf(const std::filesystem::path& file)
+{
+    Reader reader;
+    reader.document.file = file.string();
+    try {
+        reader.document = readDocument(file);
+        return readScene(reader, file);
+    } catch (const std::bad_alloc&) { // the limits above leave room for more than some machines have
+        reader.fail("needs more memory than there is", "split the model");
+    }
 }
 
 } // namespace lumel::scene

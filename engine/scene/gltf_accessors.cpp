@@ -2,6 +2,7 @@
 // a length that the file may lie about.
 #include "gltf_reader.h"
 #include <cstring>
+#include <limits>
 
 namespace lumel::scene {
 namespace {
@@ -99,21 +100,54 @@ uint32_t loadUnsigned(const std::byte* from, int type)
     }
 }
 
-// glTF 2.0, section 3.6.2.2 "Accessor data types" and 3.11 "Animations": normalised integers.
-float loadFloat(const std::byte* from, int type)
+template<class T>
+float loadInteger(const std::byte* from, bool normalised)
+{
+    const float value = float(load<T>(from));
+    return normalised ? std::max(value / float(std::numeric_limits<T>::max()), -1.0f) : value;
+}
+
+// glTF 2.0, section 3.6.2.2 "Accessor data types", with its formulas for normalised integers.
+float loadFloat(const std::byte* from, int type, bool normalised)
 {
     switch (type) {
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-        return float(load<uint8_t>(from)) / 255.0f;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-        return float(load<uint16_t>(from)) / 65535.0f;
     case TINYGLTF_COMPONENT_TYPE_BYTE:
-        return std::max(float(load<int8_t>(from)) / 127.0f, -1.0f);
+        return loadInteger<int8_t>(from, normalised);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return loadInteger<uint8_t>(from, normalised);
     case TINYGLTF_COMPONENT_TYPE_SHORT:
-        return std::max(float(load<int16_t>(from)) / 32767.0f, -1.0f);
+        return loadInteger<int16_t>(from, normalised);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return loadInteger<uint16_t>(from, normalised);
     default:
         return load<float>(from);
     }
+}
+
+bool isSmallInteger(int type)
+{
+    return componentSize(type) == 1 || componentSize(type) == 2;
+}
+
+// KHR_mesh_quantization adds signed and not normalised integers. Its table leaves some combinations out;
+// what is read of them is what they say.
+bool allowed(const Reader& reader, Storage storage, const tinygltf::Accessor& accessor)
+{
+    if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT)
+        return true;
+    if (!isSmallInteger(accessor.componentType))
+        return false;
+    const bool isSigned = accessor.componentType == TINYGLTF_COMPONENT_TYPE_BYTE ||
+                          accessor.componentType == TINYGLTF_COMPONENT_TYPE_SHORT;
+    switch (storage) {
+    case Storage::floatOnly:
+        return reader.document.quantised;
+    case Storage::floatOrUnorm:
+        return reader.document.quantised || (accessor.normalized && !isSigned);
+    case Storage::floatOrNormalized:
+        return accessor.normalized;
+    }
+    return false;
 }
 
 bool isUnsigned(int type)
@@ -172,20 +206,18 @@ std::vector<float> readFloats(const Reader& reader, int index, int components, S
 {
     const Elements elements = checkedElements(reader, index, components);
     const int type = elements.componentType;
-    const bool normalized = accessorAt(reader, index).normalized;
-    const bool unorm = normalized && (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-                                      type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);
-    const bool snorm =
-        normalized && (type == TINYGLTF_COMPONENT_TYPE_BYTE || type == TINYGLTF_COMPONENT_TYPE_SHORT);
-    if (type != TINYGLTF_COMPONENT_TYPE_FLOAT && !(storage != Storage::floatOnly && unorm) &&
-        !(storage == Storage::floatOrNormalized && snorm))
+    if (!allowed(reader, storage, accessorAt(reader, index)))
         reader.fail(
             fmt::format("{} (accessor {}) is stored in a type that glTF 2.0 does not allow", what, index));
+    const bool normalised = accessorAt(reader, index).normalized;
+    if (elements.count > kMaxVertices)
+        reader.fail(fmt::format("{} (accessor {}) has more than {} elements", what, index, kMaxVertices),
+                    "split the mesh");
     const size_t size = componentSize(type);
     std::vector<float> values(elements.count * size_t(components));
     const auto set = [&](size_t element, const std::byte* from) {
         for (size_t c = 0; c < size_t(components); ++c)
-            values[element * size_t(components) + c] = loadFloat(from + c * size, type);
+            values[element * size_t(components) + c] = loadFloat(from + c * size, type, normalised);
     };
     if (elements.data)
         for (size_t i = 0; i < elements.count; ++i)
@@ -203,6 +235,9 @@ std::vector<uint32_t> readIndices(const Reader& reader, int index, size_t vertex
     if (!isUnsigned(elements.componentType))
         reader.fail(
             fmt::format("indices (accessor {}) are stored in a type that glTF 2.0 does not allow", index));
+    if (elements.count > kMaxIndices)
+        reader.fail(fmt::format("a mesh of {} indices exceeds the limit of {}", elements.count, kMaxIndices),
+                    "split the mesh");
     std::vector<uint32_t> values(elements.count);
     if (elements.data)
         for (size_t i = 0; i < elements.count; ++i)

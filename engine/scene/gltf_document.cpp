@@ -1,6 +1,8 @@
 #include "gltf_document.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "gltf_compression.h"
+#include "gltf_limits.h"
 #include "gltf_uri.h"
 #include <array>
 #include <cstring>
@@ -14,13 +16,20 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Limits, each with what it bounds. Real models stay far below them.
-constexpr size_t kMaxNesting = 128;                // recursion of tinygltf on extras, 1 KiB of stack a level
-constexpr size_t kMaxJsonValues = 20'000'000;      // some 100 bytes of memory each
-constexpr size_t kMaxJsonBytes = size_t(1) << 31;  // tinygltf counts with 32 bits
-constexpr size_t kMaxTotalBytes = size_t(4) << 30; // all buffers and images together
-
-constexpr std::array kSupportedExtensions = {"KHR_lights_punctual", "KHR_materials_emissive_strength"};
+// KHR_texture_basisu is among them although nothing decodes it: such textures become neutral.
+constexpr std::array kSupportedExtensions = {"KHR_lights_punctual",
+                                             "KHR_materials_emissive_strength",
+                                             "KHR_materials_ior",
+                                             "KHR_materials_specular",
+                                             "KHR_materials_anisotropy",
+                                             "KHR_materials_unlit",
+                                             "KHR_mesh_quantization",
+                                             "KHR_materials_pbrSpecularGlossiness",
+                                             "KHR_draco_mesh_compression",
+                                             "KHR_texture_basisu",
+                                             "EXT_meshopt_compression",
+                                             "EXT_mesh_gpu_instancing",
+                                             "EXT_texture_webp"};
 
 bool supported(const std::string& extension)
 {
@@ -51,6 +60,9 @@ public:
         checkExtensions();
         readBuffers();
         readImages();
+        CompressedDocument compressed(root_, document_, [this](size_t bytes) { count(bytes); });
+        compressed.expandMeshopt();
+        compressed.expandDraco();
         dropUndrawn();
         document_.json = root_.dump();
         return std::move(document_);
@@ -199,9 +211,11 @@ void DocumentReader::checkExtensions()
         if (!supported(name))
             fail(fmt::format("requires the extension {:.64}, which is not supported", printable(name)),
                  "export it without");
-    for (const std::string& name : names("extensionsUsed"))
+    for (const std::string& name : names("extensionsUsed")) {
+        document_.quantised |= name == "KHR_mesh_quantization";
         if (!supported(name))
-            document_.ignored.insert(printable(name));
+            document_.ignored.insert(printable(name).substr(0, 64));
+    }
 }
 
 std::vector<const Json*> DocumentReader::objects(const char* key) const
@@ -222,9 +236,9 @@ std::vector<const Json*> DocumentReader::objects(const char* key) const
 
 void DocumentReader::count(size_t bytes)
 {
-    totalBytes_ += bytes; // each is at most the 4 GiB that readFile() allows
-    if (totalBytes_ > kMaxTotalBytes)
+    if (bytes > kMaxTotalBytes - totalBytes_)
         fail("buffers and images exceed 4 GiB", "split the model");
+    totalBytes_ += bytes;
 }
 
 std::vector<std::byte> DocumentReader::bytesOfUri(const std::string& uri, std::string& name)
@@ -255,6 +269,11 @@ void DocumentReader::readBuffers()
         const size_t wanted = *length;
         std::string name = fmt::format("buffer {}", index);
         std::vector<std::byte> bytes;
+        if (buffer->value(Json::json_pointer("/extensions/EXT_meshopt_compression/fallback"), Json()) ==
+            true) {
+            document_.buffers.emplace_back(); // its views are unpacked from elsewhere
+            continue;
+        }
         if (const auto uri = buffer->find("uri"); uri != buffer->end()) {
             if (!uri->is_string())
                 fail(fmt::format("buffer {} has a URI that is no text", index));

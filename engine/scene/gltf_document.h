@@ -24,6 +24,7 @@ struct Document {
     std::string json;                            // valid, of limited depth and size
     std::vector<std::vector<std::byte>> buffers; // each exactly byteLength long
     std::vector<ImageSource> images;
+    bool quantised = false;        // KHR_mesh_quantization: attributes may be integers
     std::set<std::string> ignored; // optional extensions and features that are present and not drawn
 };
 

@@ -13,6 +13,8 @@ public:
 
     Material read()
     {
+        adoptSpecularGlossiness();
+        adoptUnlit();
         const auto& pbr = in_.pbrMetallicRoughness;
         for (int c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)
             out_.baseColor[c] = factor(pbr.baseColorFactor[size_t(c)], 1.0f, "baseColorFactor");
@@ -20,10 +22,14 @@ public:
         out_.roughness = factor(pbr.roughnessFactor, 1.0f, "roughnessFactor");
         out_.baseColorImage = image(pbr.baseColorTexture, "baseColorTexture");
         out_.metallicRoughnessImage = image(pbr.metallicRoughnessTexture, "metallicRoughnessTexture");
+        if (pbr.metallicRoughnessTexture.index >= 0 && out_.metallicRoughnessImage < 0)
+            out_.metallic = 0.0f; // the factor 1 stands for the missing image
         out_.normalImage = image(in_.normalTexture, "normalTexture");
         out_.normalScale = finite(in_.normalTexture.scale, "normalTexture.scale");
         out_.occlusionImage = image(in_.occlusionTexture, "occlusionTexture");
         out_.occlusionStrength = factor(in_.occlusionTexture.strength, 1.0f, "occlusionTexture.strength");
+        readDielectric();
+        readAnisotropy();
         readEmission();
         readAlpha();
         out_.doubleSided = in_.doubleSided;
@@ -54,14 +60,121 @@ private:
         return imageOfTexture(info.index, what);
     }
 
+    // An extension's members, empty when the material lacks it.
+    const tinygltf::Value& extension(const char* name) const
+    {
+        static const tinygltf::Value none;
+        const auto found = in_.extensions.find(name);
+        return found == in_.extensions.end() ? none : found->second;
+    }
+
+    float numberOf(const tinygltf::Value& values, const char* key, float usual) const
+    {
+        return values.Has(key) ? number(values.Get(key), key) : usual;
+    }
+
+    std::vector<double> numbersOf(const tinygltf::Value& values, const char* key, size_t count) const
+    {
+        if (!values.Has(key))
+            return std::vector<double>(count, 1.0);
+        const tinygltf::Value& array = values.Get(key);
+        if (!array.IsArray() || array.ArrayLen() != count)
+            reader_.fail(fmt::format("material '{}': {} is not {} numbers", out_.name, key, count));
+        std::vector<double> numbers;
+        for (size_t i = 0; i < count; ++i)
+            numbers.push_back(number(array.Get(int(i)), key));
+        return numbers;
+    }
+
+    tinygltf::TextureInfo textureOf(const tinygltf::Value& values, const char* key) const
+    {
+        tinygltf::TextureInfo info;
+        if (!values.Has(key))
+            return info;
+        const tinygltf::Value& texture = values.Get(key);
+        if (!texture.Has("index") || !texture.Get("index").IsInt())
+            reader_.fail(fmt::format("material '{}': {} has no index", out_.name, key));
+        info.index = texture.Get("index").GetNumberAsInt();
+        if (texture.Has("texCoord") && texture.Get("texCoord").IsInt())
+            info.texCoord = texture.Get("texCoord").GetNumberAsInt();
+        if (texture.Has("extensions") && texture.Get("extensions").IsObject())
+            info.extensions = texture.Get("extensions").Get<tinygltf::Value::Object>();
+        return info;
+    }
+
+    // Its textures take the places of the metallic-roughness ones, which are its fallback.
+    void adoptSpecularGlossiness()
+    {
+        const tinygltf::Value& values = extension("KHR_materials_pbrSpecularGlossiness");
+        if (!values.IsObject())
+            return;
+        auto& pbr = in_.pbrMetallicRoughness;
+        pbr.baseColorFactor = numbersOf(values, "diffuseFactor", 4);
+        pbr.baseColorTexture = textureOf(values, "diffuseTexture");
+        pbr.metallicRoughnessTexture = textureOf(values, "specularGlossinessTexture");
+        pbr.metallicFactor = 0.0;
+        const auto specular = numbersOf(values, "specularFactor", 3);
+        for (int c = 0; c < 3; ++c)
+            out_.specularColor[c] = factor(specular[size_t(c)], 1.0f, "specularFactor");
+        out_.glossiness = std::clamp(numberOf(values, "glossinessFactor", 1.0f), 0.0f, 1.0f);
+        out_.specularGlossiness = true;
+    }
+
+    // What is not lit is what the surface emits.
+    void adoptUnlit()
+    {
+        out_.unlit = in_.extensions.contains("KHR_materials_unlit");
+        if (!out_.unlit)
+            return;
+        const auto& pbr = in_.pbrMetallicRoughness;
+        in_.emissiveFactor = {1.0, 1.0, 1.0};
+        for (size_t c = 0; c < 3 && pbr.baseColorFactor.size() == 4; ++c)
+            in_.emissiveFactor[c] = pbr.baseColorFactor[c];
+        in_.emissiveTexture = pbr.baseColorTexture;
+        in_.extensions.erase("KHR_materials_emissive_strength");
+        in_.normalTexture = {};
+        in_.occlusionTexture = {};
+    }
+
+    void readDielectric()
+    {
+        if (out_.specularGlossiness)
+            return;
+        out_.ior = numberOf(extension("KHR_materials_ior"), "ior", 1.5f);
+        if (out_.ior != 0.0f && out_.ior < 1.0f)
+            reader_.fail(fmt::format("material '{}' has an ior below 1", out_.name));
+        const tinygltf::Value& values = extension("KHR_materials_specular");
+        out_.specular = std::clamp(numberOf(values, "specularFactor", 1.0f), 0.0f, 1.0f);
+        const auto colour = numbersOf(values, "specularColorFactor", 3);
+        for (int c = 0; c < 3; ++c) // may exceed 1
+            out_.specularColor[c] = std::max(finite(colour[size_t(c)], "specularColorFactor"), 0.0f);
+        out_.specularImage = image(textureOf(values, "specularTexture"), "specularTexture");
+        out_.specularColorImage = image(textureOf(values, "specularColorTexture"), "specularColorTexture");
+    }
+
+    void readAnisotropy()
+    {
+        const tinygltf::Value& values = extension("KHR_materials_anisotropy");
+        out_.anisotropy = std::clamp(numberOf(values, "anisotropyStrength", 0.0f), 0.0f, 1.0f);
+        out_.anisotropyRotation = numberOf(values, "anisotropyRotation", 0.0f);
+        out_.anisotropyImage = image(textureOf(values, "anisotropyTexture"), "anisotropyTexture");
+    }
+
     int imageOfTexture(int index, const char* what) const
     {
         if (index < 0 || size_t(index) >= reader_.model.textures.size())
             reader_.fail(fmt::format("material '{}' names texture {} as {}, which does not exist", out_.name,
                                      index, what));
-        const int source = reader_.model.textures[size_t(index)].source;
-        if (source < 0) { // the image is in an extension, and those are named in the log
-            reader_.document.ignored.insert("textures without a PNG or JPEG image");
+        const tinygltf::Texture& texture = reader_.model.textures[size_t(index)];
+        int source = texture.source;
+        const auto webp = texture.extensions.find("EXT_texture_webp");
+        if (webp != texture.extensions.end() && webp->second.Has("source") &&
+            webp->second.Get("source").IsInt())
+            source = webp->second.Get("source").GetNumberAsInt();
+        if (source < 0) {
+            reader_.document.ignored.insert(texture.extensions.contains("KHR_texture_basisu")
+                                                ? "KHR_texture_basisu textures (convert them to PNG)"
+                                                : "textures without an image");
             return -1;
         }
         if (size_t(source) >= reader_.document.images.size())
@@ -71,16 +184,16 @@ private:
 
     void readEmission()
     {
-        float strength = 1.0f;
-        const auto extension = in_.extensions.find("KHR_materials_emissive_strength");
-        if (extension != in_.extensions.end() && extension->second.Has("emissiveStrength"))
-            strength = number(extension->second.Get("emissiveStrength"), "emissiveStrength");
+        const float strength =
+            numberOf(extension("KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
         for (int c = 0; c < 3 && in_.emissiveFactor.size() == 3; ++c)
             out_.emissive[c] =
                 std::max(strength, 0.0f) * factor(in_.emissiveFactor[size_t(c)], 1.0f, "emissiveFactor");
         for (int c = 0; c < 3; ++c)
             finite(out_.emissive[c], "emissiveStrength");
         out_.emissiveImage = image(in_.emissiveTexture, "emissiveTexture");
+        if (in_.emissiveTexture.index >= 0 && out_.emissiveImage < 0 && !out_.unlit)
+            out_.emissive = glm::vec3(0.0f); // most of a missing image is dark
     }
 
     void readAlpha()
@@ -124,7 +237,7 @@ private:
     }
 
     Reader& reader_;
-    const tinygltf::Material& in_;
+    tinygltf::Material in_; // a copy: extensions replace parts of it
     Material out_;
 };
 

@@ -156,6 +156,10 @@ int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const std::st
     mesh.name = name;
     readVertices(reader, use, mesh);
     readTriangles(reader, primitive, mesh);
+    reader.readElements += mesh.vertices.size() + mesh.indices.size();
+    if (reader.readElements > kMaxReadElements)
+        reader.fail(fmt::format("its meshes name more than {} vertices and indices", kMaxReadElements),
+                    "split the model");
     if (mesh.indices.empty())
         return -1;
     dropUnused(mesh);

@@ -55,7 +55,7 @@ private:
     glm::mat4 localTransform(const tinygltf::Node& node, int index) const;
     int addMoving(const tinygltf::Node& node, const Visit& visit);
     void readNode(const tinygltf::Node& node, int index, const glm::mat4& world);
-    void addObjects(const tinygltf::Node& node, int index, const glm::mat4& world);
+    void addObjects(const tinygltf::Node& node, int index, const glm::mat4& world, const std::string& suffix);
     void addCamera(const tinygltf::Node& node, const glm::mat4& world);
     void addLight(const tinygltf::Node& node, int index, const glm::mat4& world);
     void readCone(const tinygltf::Light& in, Light& light) const;
@@ -170,14 +170,15 @@ int NodeReader::addMoving(const tinygltf::Node& node, const Visit& visit)
 
 void NodeReader::readNode(const tinygltf::Node& node, int index, const glm::mat4& world)
 {
-    if (node.mesh >= 0)
-        addObjects(node, index, world);
+    if (node.mesh >= 0) {
+        const std::vector<glm::mat4> instances = readInstances(reader_, index);
+        for (size_t i = 0; i < instances.size(); ++i)
+            addObjects(node, index, world * instances[i], instances.size() > 1 ? fmt::format("#{}", i) : "");
+    }
     if (node.camera >= 0)
         addCamera(node, world);
     if (node.extensions.contains("KHR_lights_punctual"))
         addLight(node, index, world);
-    if (node.extensions.contains("EXT_mesh_gpu_instancing"))
-        reader_.document.ignored.insert("EXT_mesh_gpu_instancing");
 }
 
 int NodeReader::defaultMaterial()
@@ -190,7 +191,9 @@ int NodeReader::defaultMaterial()
     return defaultMaterial_;
 }
 
-void NodeReader::addObjects(const tinygltf::Node& node, int index, const glm::mat4& world)
+// suffix: of the name, tells instances apart.
+void NodeReader::addObjects(const tinygltf::Node& node, int index, const glm::mat4& world,
+                            const std::string& suffix)
 {
     if (!meshes_.contains(node.mesh))
         meshes_[node.mesh] = readMesh(reader_, node.mesh, scene_, cache_);
@@ -199,6 +202,9 @@ void NodeReader::addObjects(const tinygltf::Node& node, int index, const glm::ma
     std::string name = printable(node.name.empty() ? meshName : node.name);
     if (name.empty())
         name = fmt::format("node {}", index);
+    name += suffix;
+    if (!isFinite(world))
+        reader_.fail(fmt::format("'{}' has a transform that is not finite", name));
     if (glm::determinant(glm::mat3(world)) == 0.0f) { // how animations hide things
         spdlog::info("{}: '{}' is scaled to nothing; not drawn", reader_.document.file, name);
         return;

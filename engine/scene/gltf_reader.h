@@ -3,6 +3,7 @@
 #pragma once
 #include "core/error.h"
 #include "gltf_document.h"
+#include "gltf_limits.h"
 #include "scene.h"
 #include <fmt/format.h>
 #include <map>
@@ -11,16 +12,11 @@
 
 namespace lumel::scene {
 
-// Limits, each with what it bounds.
-inline constexpr size_t kMaxVertices = size_t(1) << 24;      // of one mesh; 48 bytes each: 768 MiB
-inline constexpr size_t kMaxSceneVertices = size_t(1) << 26; // of all meshes: 3 GiB
-inline constexpr size_t kMaxObjects = size_t(1) << 20;       // nodes times primitives, before any is made
-inline constexpr int kMaxNodeDepth = 256;                    // deeper trees are damage, not design
-
 struct Reader {
     Document document;
     tinygltf::Model model;
     size_t sceneVertices = 0;
+    size_t readElements = 0;
 
     // "file: why; remedy"
     [[noreturn]] void fail(const std::string& why, const char* remedy = "export it again") const
@@ -32,7 +28,7 @@ struct Reader {
 // Bytes of a buffer view. Throws Error unless it lies inside its buffer.
 std::span<const std::byte> bufferViewBytes(const Reader& reader, int view);
 
-// Which storage glTF 2.0, section 3.7.2.1, allows an attribute.
+// Which storage glTF 2.0, section 3.7.2.1, allows an attribute. KHR_mesh_quantization widens the first two.
 enum class Storage { floatOnly, floatOrUnorm, floatOrNormalized };
 
 // All elements of an accessor, `components` floats each, normalised integers decoded, sparse values
@@ -55,6 +51,10 @@ std::vector<Primitive> readMesh(Reader& reader, int mesh, Scene& scene, Primitiv
 
 // What moves, by glTF node.
 std::map<int, NodeTracks> readTracks(Reader& reader);
+// Transforms from each instance of a node's mesh to the node: one identity where the node has none of its own
+// (EXT_mesh_gpu_instancing).
+std::vector<glm::mat4> readInstances(const Reader& reader, int node);
+
 void readMaterials(Reader& reader, Scene& scene);
 void readImages(Reader& reader, Scene& scene);
 // Objects, cameras and lights of the default scene, and the scene's bounds.

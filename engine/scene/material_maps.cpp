@@ -1,5 +1,6 @@
 // glTF 2.0, section 3.9.2 and appendix B: base colour c, metalness m, roughness r.
-//   Ks = mix(0.04, c, m)   reflectance at normal incidence; 0.04 is that of glass, index 1.5
+//   Ks = mix(0.04, c, m)   reflectance at normal incidence; 0.04 is that of glass, index 1.5, unless
+//                          KHR_materials_ior or _specular say otherwise
 //   Kd = c (1 - m)
 // Colours are sRGB in images and linear as factors; image and factor are multiplied.
 #include "material_maps.h"
@@ -8,11 +9,10 @@
 #include <array>
 #include <fmt/format.h>
 #include <map>
+#include <optional>
 
 namespace lumel::scene {
 namespace {
-
-constexpr float kDielectricKs = 0.04f;
 
 // sRGB decoding of 8-bit images by table: std::pow for each of 2048^2 texels would take longer than PNG.
 float decodeSrgb(float encoded)
@@ -34,6 +34,12 @@ float decodeSrgb(float encoded)
 float texel(const Image& image, int x, int y, int c)
 {
     return image.at(x, y)[image.channels >= 3 ? c : 0];
+}
+
+// 1 where the image has none. Grey or colour, alpha is last.
+float alphaOf(const Image& image, int x, int y)
+{
+    return image.channels == 2 || image.channels == 4 ? image.at(x, y)[image.channels - 1] : 1.0f;
 }
 
 // Bilinear at texel centres; the border repeats, which is glTF's default.
@@ -81,33 +87,38 @@ private:
     std::map<int, Image> decoded_;
 };
 
-// Two images brought to the size of the larger one. Either may be null: constant.
-struct Pair {
-    const Image* a;
-    const Image* b;
+// Images brought to the size of the largest one. Any may be null: constant.
+template<size_t N>
+struct SameSize {
+    std::array<const Image*, N> images;
     int width = 1, height = 1;
 
-    Pair(const Image* first, const Image* second) : a(first), b(second)
+    explicit SameSize(const std::array<const Image*, N>& sources) : images(sources)
     {
-        for (const Image* image : {a, b})
+        for (const Image* image : images)
             if (image) {
                 width = std::max(width, image->width);
                 height = std::max(height, image->height);
             }
-        fit(a, resizedA_);
-        fit(b, resizedB_);
+        for (size_t i = 0; i < N; ++i)
+            if (images[i] && (images[i]->width != width || images[i]->height != height)) {
+                storage_[i] = resized(*images[i], width, height);
+                images[i] = &storage_[i];
+            }
     }
-    Pair(const Pair&) = delete;
+    SameSize(const SameSize&) = delete;
+
+    // Colour channel c, decoded from sRGB; 1 without an image.
+    float colour(size_t i, int x, int y, int c) const
+    {
+        return images[i] ? decodeSrgb(texel(*images[i], x, y, c)) : 1.0f;
+    }
+    // Channel c as stored; 1 without an image.
+    float value(size_t i, int x, int y, int c) const { return images[i] ? texel(*images[i], x, y, c) : 1.0f; }
+    float alpha(size_t i, int x, int y) const { return images[i] ? alphaOf(*images[i], x, y) : 1.0f; }
 
 private:
-    void fit(const Image*& image, Image& storage)
-    {
-        if (!image || (image->width == width && image->height == height))
-            return;
-        storage = resized(*image, width, height);
-        image = &storage;
-    }
-    Image resizedA_, resizedB_;
+    std::array<Image, N> storage_;
 };
 
 // Images of one value become constants, so that they neither cost time nor set the size of the chain.
@@ -119,49 +130,130 @@ bool isConstant(const Image& image)
     return true;
 }
 
-void setColours(const Material& material, const Image* base, const Image* metal, baker::Maps& maps)
+Image oneTexel(float value)
 {
-    const Pair pair(base, metal);
-    Image specular(pair.width, pair.height, 3), diffuse(pair.width, pair.height, 3);
-    for (int y = 0; y < pair.height; ++y)
-        for (int x = 0; x < pair.width; ++x) {
-            const float m = material.metallic * (pair.b ? texel(*pair.b, x, y, 2) : 1.0f);
+    Image image(1, 1, 1);
+    image.pixels = {value};
+    return image;
+}
+
+// An image of one value becomes a constant.
+void give(Image& image, Image& map, glm::vec3& constant)
+{
+    if (isConstant(image))
+        constant = {image.pixels[0], image.pixels[1], image.pixels[2]};
+    else
+        map = std::move(image);
+}
+
+// Schlick's reflectance of a dielectric against air at normal incidence; KHR_materials_ior: 0 is a mirror.
+float dielectricKs(float ior)
+{
+    const float ratio = (ior - 1.0f) / (ior + 1.0f);
+    return ratio * ratio;
+}
+
+// KHR_materials_specular: F0 = min(F0(ior) specularColor, 1) specular. F90, which it scales too, is not
+// modelled.
+void setColours(const Material& m, Decoder& decoder, baker::Maps& maps)
+{
+    const SameSize<4> images({decoder.get(m.baseColorImage), decoder.get(m.metallicRoughnessImage),
+                              decoder.get(m.specularImage), decoder.get(m.specularColorImage)});
+    Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
+    const float ks = dielectricKs(m.ior);
+    for (int y = 0; y < images.height; ++y)
+        for (int x = 0; x < images.width; ++x) {
+            const float metal = m.metallic * images.value(1, x, y, 2);
+            const float strength = m.specular * images.alpha(2, x, y);
             for (int c = 0; c < 3; ++c) {
-                const float colour =
-                    material.baseColor[c] * (pair.a ? decodeSrgb(texel(*pair.a, x, y, c)) : 1.0f);
-                specular.at(x, y)[c] = kDielectricKs + (colour - kDielectricKs) * m;
-                diffuse.at(x, y)[c] = colour * (1.0f - m);
+                const float colour = m.baseColor[c] * images.colour(0, x, y, c);
+                const float tint = m.specularColor[c] * images.colour(3, x, y, c);
+                const float dielectric = std::min(ks * tint, 1.0f) * strength;
+                specular.at(x, y)[c] = dielectric + (colour - dielectric) * metal;
+                diffuse.at(x, y)[c] = colour * (1.0f - metal);
             }
         }
-    const auto give = [](Image& image, Image& map, glm::vec3& constant) {
-        if (isConstant(image))
-            constant = {image.pixels[0], image.pixels[1], image.pixels[2]};
-        else
-            map = std::move(image);
-    };
     give(specular, maps.specular, maps.specularConstant);
     give(diffuse, maps.diffuse, maps.diffuseConstant);
 }
 
-void setRoughness(const Material& material, const Image* metallicRoughness, baker::Maps& maps)
+// KHR_materials_pbrSpecularGlossiness, "BRDF": Kd = diffuse (1 - max(specular)).
+void setSpecularGlossinessColours(const Material& m, Decoder& decoder, baker::Maps& maps)
 {
-    if (material.power > 0.0f) {
-        maps.powerConstant = material.power;
-        return;
+    const SameSize<2> images({decoder.get(m.baseColorImage), decoder.get(m.metallicRoughnessImage)});
+    Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
+    for (int y = 0; y < images.height; ++y)
+        for (int x = 0; x < images.width; ++x) {
+            float* ks = specular.at(x, y);
+            for (int c = 0; c < 3; ++c)
+                ks[c] = m.specularColor[c] * images.colour(1, x, y, c);
+            const float rest = 1.0f - std::max({ks[0], ks[1], ks[2]});
+            for (int c = 0; c < 3; ++c)
+                diffuse.at(x, y)[c] = m.baseColor[c] * images.colour(0, x, y, c) * rest;
+        }
+    give(specular, maps.specular, maps.specularConstant);
+    give(diffuse, maps.diffuse, maps.diffuseConstant);
+}
+
+float roughnessAt(const Material& m, const Image& image, int x, int y)
+{
+    return m.specularGlossiness ? 1.0f - m.glossiness * alphaOf(image, x, y)
+                                : m.roughness * texel(image, x, y, 1);
+}
+
+// The constant roughness, or none when the map varies.
+std::optional<float> setRoughness(const Material& m, const Image* image, baker::Maps& maps)
+{
+    if (m.power > 0.0f) {
+        maps.powerConstant = m.power;
+        return std::nullopt;
     }
-    float constant = material.roughness;
-    if (metallicRoughness) {
-        Image roughness(metallicRoughness->width, metallicRoughness->height, 1);
+    float constant = m.specularGlossiness ? 1.0f - m.glossiness : m.roughness;
+    if (image) {
+        Image roughness(image->width, image->height, 1);
         for (int y = 0; y < roughness.height; ++y)
             for (int x = 0; x < roughness.width; ++x)
-                *roughness.at(x, y) = material.roughness * texel(*metallicRoughness, x, y, 1);
+                *roughness.at(x, y) = roughnessAt(m, *image, x, y);
         if (!isConstant(roughness)) {
             maps.roughness = std::move(roughness);
-            return;
+            return std::nullopt;
         }
         constant = roughness.pixels[0];
     }
     maps.powerConstant = baker::powerFromRoughness(constant);
+    return constant;
+}
+
+// KHR_materials_anisotropy. The image's direction is (2 r - 1, 2 g - 1) in the tangent frame; the rotation
+// turns it further, and the axes repeat after half a turn.
+void setAnisotropy(const Material& m, const Image* image, std::optional<float> roughness, baker::Maps& maps)
+{
+    if (m.anisotropy <= 0.0f || m.power > 0.0f)
+        return;
+    maps.anisotropy = Image(image ? image->width : 1, image ? image->height : 1, 1);
+    maps.tangentRotation = maps.anisotropy;
+    for (int y = 0; y < maps.anisotropy.height; ++y)
+        for (int x = 0; x < maps.anisotropy.width; ++x) {
+            float angle = m.anisotropyRotation, strength = m.anisotropy;
+            if (image) {
+                angle +=
+                    std::atan2(2.0f * texel(*image, x, y, 1) - 1.0f, 2.0f * texel(*image, x, y, 0) - 1.0f);
+                strength *= texel(*image, x, y, 2);
+            }
+            const float halfTurns = angle / glm::pi<float>();
+            *maps.tangentRotation.at(x, y) = halfTurns - std::floor(halfTurns);
+            *maps.anisotropy.at(x, y) = strength;
+        }
+    if (roughness && isConstant(maps.anisotropy)) {
+        const glm::vec2 along = baker::anisotropicRoughness(*roughness, maps.anisotropy.pixels[0]);
+        maps.anisotropicPower = {baker::powerFromRoughness(along.x), baker::powerFromRoughness(along.y)};
+        maps.anisotropy = {};
+    } else if (roughness) {
+        maps.roughness = oneTexel(*roughness);
+    }
+    for (Image* map : {&maps.anisotropy, &maps.tangentRotation})
+        if (!map->empty() && isConstant(*map))
+            *map = oneTexel(map->pixels[0]);
 }
 
 Image halved(const Image& in)
@@ -209,9 +301,16 @@ baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
         maps.normal = Image(1, 1, 3); // flat: the baker wants a surface
         maps.normal.pixels = {0.5f, 0.5f, 1.0f};
     }
-    const Image* metallicRoughness = decoder.get(material.metallicRoughnessImage);
-    setColours(material, decoder.get(material.baseColorImage), metallicRoughness, maps);
-    setRoughness(material, metallicRoughness, maps);
+    if (material.unlit) {
+        maps.specularConstant = glm::vec3(0.0f);
+        return maps;
+    }
+    if (material.specularGlossiness)
+        setSpecularGlossinessColours(material, decoder, maps);
+    else
+        setColours(material, decoder, maps);
+    const auto roughness = setRoughness(material, decoder.get(material.metallicRoughnessImage), maps);
+    setAnisotropy(material, decoder.get(material.anisotropyImage), roughness, maps);
     return maps;
 }
 
@@ -223,16 +322,14 @@ bool glowVaries(const Material& material)
 Image glowImage(const Scene& scene, const Material& material)
 {
     Decoder decoder(scene);
-    const Pair pair(decoder.get(emits(material) ? material.emissiveImage : -1),
-                    decoder.get(occludes(material) ? material.occlusionImage : -1));
-    Image glow(pair.width, pair.height, 4);
-    for (int y = 0; y < pair.height; ++y)
-        for (int x = 0; x < pair.width; ++x) {
+    const SameSize<2> images({decoder.get(emits(material) ? material.emissiveImage : -1),
+                              decoder.get(occludes(material) ? material.occlusionImage : -1)});
+    Image glow(images.width, images.height, 4);
+    for (int y = 0; y < images.height; ++y)
+        for (int x = 0; x < images.width; ++x) {
             for (int c = 0; c < 3; ++c)
-                glow.at(x, y)[c] =
-                    material.emissive[c] * (pair.a ? decodeSrgb(texel(*pair.a, x, y, c)) : 1.0f);
-            const float open = pair.b ? texel(*pair.b, x, y, 0) : 1.0f;
-            glow.at(x, y)[3] = 1.0f + material.occlusionStrength * (open - 1.0f);
+                glow.at(x, y)[c] = material.emissive[c] * images.colour(0, x, y, c);
+            glow.at(x, y)[3] = 1.0f + material.occlusionStrength * (images.value(1, x, y, 0) - 1.0f);
         }
     for (float value : glow.pixels)
         if (!std::isfinite(value))

@@ -10,6 +10,9 @@
 namespace lumel::scene {
 namespace {
 
+// Of all chains' finest levels; 64 bytes a texel with the coarser ones: 16 GiB.
+constexpr size_t kMaxSceneTexels = size_t(1) << 28;
+
 BakedMaterial bakeOne(const Scene& scene, const Material& material, const MaterialOptions& options,
                       const std::string& label)
 {
@@ -35,7 +38,15 @@ std::vector<BakedMaterial> bakeMaterials(const Scene& scene, const MaterialOptio
     std::map<std::string, size_t> done; // materials that differ in name only are baked once
     size_t bakedCount = 0;
     const auto start = std::chrono::steady_clock::now();
+    size_t texels = 0;
     for (size_t i = 0; i < scene.materials.size(); ++i) {
+        if (i > 0) {
+            const baker::Level& finest = all.back().reflectance.levels.front();
+            texels += size_t(finest.width) * size_t(finest.height);
+        }
+        if (texels > kMaxSceneTexels)
+            throw Error(fmt::format("{}: its materials have more than {} texels; scale its images down",
+                                    scene.file.string(), kMaxSceneTexels));
         const Material& material = scene.materials[i];
         const std::string key = cache.key(material);
         if (const auto [twin, isNew] = done.try_emplace(key, i); !isNew) {

@@ -41,6 +41,20 @@ struct Material {
     int normalImage = -1;            // linear
     int occlusionImage = -1;         // linear, R
     int emissiveImage = -1;          // sRGB
+    // KHR_materials_pbrSpecularGlossiness: baseColor is the diffuse colour, specularColor the reflectance at
+    // normal incidence, and the metallic-roughness image holds a specular colour (sRGB) and in alpha
+    // the glossiness, which replaces 1 - roughness.
+    bool specularGlossiness = false;
+    float glossiness = 1.0f;
+    float ior = 1.5f;                // KHR_materials_ior; 0 = reflects everything
+    float specular = 1.0f;           // KHR_materials_specular
+    glm::vec3 specularColor{1.0f};   // linear
+    int specularImage = -1;          // linear, A
+    int specularColorImage = -1;     // sRGB
+    float anisotropy = 0.0f;         // KHR_materials_anisotropy: strength in [0, 1]
+    float anisotropyRotation = 0.0f; // radians from the tangent towards the bitangent
+    int anisotropyImage = -1;        // linear, RG direction, B strength
+    bool unlit = false;              // KHR_materials_unlit: only emits
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;

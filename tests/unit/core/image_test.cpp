@@ -6,6 +6,8 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <webp/encode.h>
+#include <zlib.h>
 
 namespace lumel {
 namespace {
@@ -204,6 +206,51 @@ TEST(Srgb, BothFunctionsAreInverse)
     }
     EXPECT_LT(srgbToLinear(-0.1f), 0.0f) << "negative values stay linear";
     EXPECT_FALSE(std::isnan(linearToSrgb(-0.1f)));
+}
+
+TEST_F(Images, WebpKeepsColoursApartFromAlpha)
+{
+    std::vector<uint8_t> rgba = {255, 0, 0, 255, 0, 200, 0, 128};
+    uint8_t* encoded = nullptr;
+    const size_t size = WebPEncodeLosslessRGBA(rgba.data(), 2, 1, 8, &encoded);
+    ASSERT_GT(size, 0u);
+    const std::string bytes(reinterpret_cast<const char*>(encoded), size);
+    WebPFree(encoded);
+    for (const char* name : {"image.webp", "image.png"}) { // by content in memory, by name on disk
+        const Image image = readImage(std::as_bytes(std::span(bytes)), name);
+        ASSERT_EQ(image.channels, 4);
+        for (size_t i = 0; i < rgba.size(); ++i)
+            EXPECT_FLOAT_EQ(image.pixels[i], float(rgba[i]) / 255.0f);
+    }
+    EXPECT_EQ(readImage(write("image.webp", bytes)).width, 2);
+    for (size_t cut = 1; cut < bytes.size() - 1; ++cut)
+        expectRefused(write("cut.webp", bytes.substr(0, cut)));
+}
+
+TEST_F(Images, BombsAreRefusedBeforeTheyAreDecoded)
+{
+    // A PNG of one row that declares 65500 x 65500, then one within the limit of size but not of bytes.
+    writeImage(folder / "row.png", gradient(64, 1, 3));
+    const std::string good = text(folder / "row.png");
+    const auto declaring = [&](uint32_t width, uint32_t height) {
+        std::string bomb = good;
+        for (int i = 0; i < 4; ++i) {
+            bomb[size_t(16 + i)] = char(width >> (24 - 8 * i) & 255);
+            bomb[size_t(20 + i)] = char(height >> (24 - 8 * i) & 255);
+        }
+        const uint32_t crc = crc32(0, reinterpret_cast<const unsigned char*>(bomb.data()) + 12, 17);
+        for (int i = 0; i < 4; ++i)
+            bomb[size_t(29 + i)] = char(crc >> (24 - 8 * i) & 255);
+        return bomb;
+    };
+    EXPECT_EQ(declaring(64, 1), good);
+    expectRefused(write("bomb.png", declaring(65500, 65500)));
+    expectRefused(write("bomb.png", declaring(16384, 16384)));
+    // A solid WebP image of 16383 x 16383 pixels takes some 30 bytes.
+    std::string webp = {'R', 'I', 'F', 'F', 26,  0,  0, 0, 'W', 'E', 'B',
+                        'P', 'V', 'P', '8', 'L', 14, 0, 0, 0,   0x2f};
+    webp += std::string("\xfe\xbf\xff\x0f", 4) + std::string(9, '\0');
+    expectRefused(write("bomb.webp", webp));
 }
 
 } // namespace

@@ -1,6 +1,6 @@
 // Every malformed file is refused with one line that names it; none is read past its end. Run under the
 // sanitizers (./run test --sanitize) this is also the proof of the latter.
-#include "gltf_builder.h"
+#include "gltf_compress.h"
 
 namespace lumel::scene {
 namespace {
@@ -124,8 +124,30 @@ TEST_F(HostileGltf, ControlCharactersInNamesStayOutOfTheMessage)
 
 TEST_F(HostileGltf, RequiredExtensionIsNamed)
 {
-    gltf.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};
-    expectGltfRefused("KHR_draco_mesh_compression");
+    gltf.root["extensionsRequired"] = {"KHR_materials_unheard_of"};
+    expectGltfRefused("KHR_materials_unheard_of");
+}
+
+TEST_F(HostileGltf, UnknownOptionalExtensionsDoNotMatter)
+{
+    gltf.root["extensionsUsed"] = {"KHR_materials_unheard_of", std::string(100000, 'x'), "two\nlines"};
+    gltf.node()["extensions"]["KHR_materials_unheard_of"] = {{"deep", {{"er", 1}}}};
+    EXPECT_EQ(loadGltf(gltf.writeGltf(folder)).objects.size(), 1u);
+    gltf.root["extensionsUsed"] = {7};
+    expectGltfRefused("extensionsUsed");
+}
+
+// Many primitives that read a large buffer anew are work without end for a file of a few kilobytes.
+TEST_F(HostileGltf, ManyPrimitivesOfManyVerticesWithoutData)
+{
+    const uint64_t count = uint64_t(1) << 24;
+    gltf.root["accessors"] = {{{"componentType", 5126}, {"type", "VEC3"}, {"count", count + 1}},
+                              {{"componentType", 5125}, {"type", "SCALAR"}, {"count", 7 * count}}};
+    gltf.primitive() = {{"attributes", {{"POSITION", 0}}}};
+    expectGltfRefused("exceeds the limit of 16777216");
+    gltf.root["accessors"][0]["count"] = 3;
+    gltf.primitive()["indices"] = 1;
+    expectGltfRefused("has more than 16777216 elements");
 }
 
 TEST_F(HostileGltf, UrisThatLeaveTheFolder)
@@ -305,7 +327,13 @@ TEST_F(HostileGltf, NoValueOfAnyTypeCrashes)
     gltf.primitive()["material"] = 0;
     gltf.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}};
     gltf.node()["camera"] = 0;
-    gltf.writeGltf(folder);
+    gltf.material()["extensions"] = {
+        {"KHR_materials_specular", {{"specularFactor", 0.5}, {"specularColorFactor", {1, 1, 1}}}},
+        {"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}}}};
+    gltf.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
+        gltf.floats({0, 0, 0, 2, 0, 0}, "VEC3", 3);
+    packQuadWithMeshopt(gltf);
+    EXPECT_EQ(loadGltf(gltf.writeGltf(folder)).objects.size(), 2u);
     const json flat = gltf.root.flatten();
     const json values[] = {nullptr, -1, 1e30, "text", true, json::array(), json::object(), 4294967296};
     for (const auto& item : flat.items()) {

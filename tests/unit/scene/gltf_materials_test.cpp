@@ -81,6 +81,118 @@ TEST_F(GltfMaterials, DefaultsAreThoseOfTheSpecification)
     }
 }
 
+TEST_F(GltfMaterials, ExtensionsAreReadWhole)
+{
+    gltf.quad();
+    for (const char* name : {"a.png", "b.png", "c.png"})
+        writeText(folder / name, std::string("never decoded: ") + name);
+    gltf.root["images"] = {{{"uri", "a.png"}}, {{"uri", "b.png"}}, {{"uri", "c.png"}}};
+    gltf.root["textures"] = {{{"source", 0}}, {{"source", 1}}, {{"source", 2}}};
+    gltf.material() = {{"extensions",
+                        {{"KHR_materials_ior", {{"ior", 1.4}}},
+                         {"KHR_materials_specular",
+                          {{"specularFactor", 0.3},
+                           {"specularColorFactor", {0.1, 2, 0.5}},
+                           {"specularTexture", {{"index", 1}}},
+                           {"specularColorTexture", {{"index", 2}}}}},
+                         {"KHR_materials_anisotropy",
+                          {{"anisotropyStrength", 0.7},
+                           {"anisotropyRotation", 1.5},
+                           {"anisotropyTexture", {{"index", 0}}}}}}}};
+    gltf.primitive()["material"] = 0;
+    gltf.root["extensionsRequired"] = {"KHR_materials_ior", "KHR_materials_specular",
+                                       "KHR_materials_anisotropy"};
+    const Material m = load().materials.at(0);
+    EXPECT_FLOAT_EQ(m.ior, 1.4f);
+    EXPECT_FLOAT_EQ(m.specular, 0.3f);
+    EXPECT_EQ(m.specularColor, glm::vec3(0.1f, 2.0f, 0.5f));
+    EXPECT_EQ(m.specularImage, 1);
+    EXPECT_EQ(m.specularColorImage, 2);
+    EXPECT_FLOAT_EQ(m.anisotropy, 0.7f);
+    EXPECT_FLOAT_EQ(m.anisotropyRotation, 1.5f);
+    EXPECT_EQ(m.anisotropyImage, 0);
+    gltf.material()["extensions"]["KHR_materials_ior"]["ior"] = 0.5;
+    expectRefused(gltf.writeGltf(folder), "ior below 1");
+    gltf.material()["extensions"]["KHR_materials_ior"]["ior"] = "glass";
+    expectRefused(gltf.writeGltf(folder), "ior is not a number");
+}
+
+TEST_F(GltfMaterials, SpecularGlossinessReplacesItsFallback)
+{
+    gltf.quad();
+    for (const char* name : {"a.png", "b.png"})
+        writeText(folder / name, "never decoded");
+    gltf.root["images"] = {{{"uri", "a.png"}}, {{"uri", "b.png"}}};
+    gltf.root["textures"] = {{{"source", 0}}, {{"source", 1}}};
+    gltf.material() = {
+        {"pbrMetallicRoughness", {{"metallicFactor", 1}, {"baseColorTexture", {{"index", 1}}}}},
+        {"extensions",
+         {{"KHR_materials_pbrSpecularGlossiness",
+           {{"diffuseFactor", {0.1, 0.2, 0.3, 0.4}},
+            {"specularFactor", {0.5, 0.6, 0.7}},
+            {"glossinessFactor", 0.8},
+            {"diffuseTexture", {{"index", 0}}},
+            {"specularGlossinessTexture", {{"index", 1}}}}}}}};
+    gltf.primitive()["material"] = 0;
+    const Material m = load().materials.at(0);
+    EXPECT_TRUE(m.specularGlossiness);
+    EXPECT_EQ(m.baseColor, glm::vec4(0.1f, 0.2f, 0.3f, 0.4f));
+    EXPECT_EQ(m.specularColor, glm::vec3(0.5f, 0.6f, 0.7f));
+    EXPECT_FLOAT_EQ(m.glossiness, 0.8f);
+    EXPECT_EQ(m.metallic, 0.0f);
+    EXPECT_EQ(m.baseColorImage, 0);
+    EXPECT_EQ(m.metallicRoughnessImage, 1);
+}
+
+TEST_F(GltfMaterials, UnlitEmitsItsBaseColour)
+{
+    gltf.quad();
+    writeText(folder / "a.png", "never decoded");
+    gltf.root["images"] = {{{"uri", "a.png"}}};
+    gltf.root["textures"] = {{{"source", 0}}};
+    gltf.material() = {{"pbrMetallicRoughness",
+                        {{"baseColorFactor", {0.1, 0.2, 0.3, 1}}, {"baseColorTexture", {{"index", 0}}}}},
+                       {"normalTexture", {{"index", 0}}},
+                       {"occlusionTexture", {{"index", 0}}},
+                       {"emissiveFactor", {1, 1, 1}},
+                       {"extensions",
+                        {{"KHR_materials_unlit", json::object()},
+                         {"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}}}}};
+    gltf.primitive()["material"] = 0;
+    const Material m = load().materials.at(0);
+    EXPECT_TRUE(m.unlit);
+    EXPECT_EQ(m.emissive, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(m.emissiveImage, 0);
+    EXPECT_EQ(m.normalImage, -1);
+    EXPECT_EQ(m.occlusionImage, -1);
+}
+
+TEST_F(GltfMaterials, WebpIsPreferredAndBasisBecomesNeutral)
+{
+    gltf.quad();
+    for (const char* name : {"a.png", "a.webp", "a.ktx2"})
+        writeText(folder / name, "never decoded");
+    gltf.root["images"] = {{{"uri", "a.png"}}, {{"uri", "a.webp"}}, {{"uri", "a.ktx2"}}};
+    gltf.root["textures"] = {{{"source", 0}, {"extensions", {{"EXT_texture_webp", {{"source", 1}}}}}},
+                             {{"extensions", {{"KHR_texture_basisu", {{"source", 2}}}}}}};
+    gltf.root["extensionsRequired"] = {"EXT_texture_webp", "KHR_texture_basisu"};
+    const json basis = {{"index", 1}};
+    gltf.material() = {
+        {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", basis}}},
+        {"normalTexture", basis},
+        {"emissiveTexture", basis},
+        {"emissiveFactor", {1, 1, 1}}};
+    gltf.primitive()["material"] = 0;
+    const Material m = load().materials.at(0);
+    EXPECT_EQ(m.baseColorImage, 1);
+    EXPECT_EQ(m.normalImage, -1);
+    EXPECT_EQ(m.metallicRoughnessImage, -1);
+    EXPECT_EQ(m.metallic, 0.0f);
+    EXPECT_EQ(m.emissive, glm::vec3(0.0f));
+    gltf.root["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = 7;
+    expectRefused(gltf.writeGltf(folder), "image 7");
+}
+
 TEST_F(GltfMaterials, HeightMapsComeFromOurExtras)
 {
     gltf.quad();

@@ -152,6 +152,102 @@ TEST_F(MaterialMaps, GlowHoldsEmissionAndOcclusion)
     EXPECT_NEAR(glow.at(1, 0)[3], 0.7f, 1e-5f); // 1 + 0.5 (0.4 - 1)
 }
 
+TEST_F(MaterialMaps, IorAndSpecularSetTheDielectricReflectance)
+{
+    const auto expectKs = [&](glm::vec3 expected) {
+        const baker::Maps maps = reflectanceMaps(scene, material);
+        expectNear(&maps.specularConstant.x, expected);
+    };
+    material.metallic = 0.0f;
+    material.ior = 1.33f; // water: (0.33 / 2.33)^2 = 0.020059
+    expectKs(glm::vec3(0.020059f));
+    material.ior = 0.0f; // by the extension's definition a mirror
+    expectKs(glm::vec3(1.0f));
+    material.ior = 1.5f;
+    material.specular = 0.5f;
+    material.specularColor = {2.0f, 1.0f, 50.0f};
+    expectKs({0.04f, 0.02f, 0.5f}); // min(0.04 * 50, 1) / 2
+    material.metallic = 1.0f;       // metals do not care
+    material.baseColor = {0.9f, 0.8f, 0.7f, 1.0f};
+    expectKs({0.9f, 0.8f, 0.7f});
+}
+
+TEST_F(MaterialMaps, SpecularImagesMultiply)
+{
+    material.metallic = 0.0f;
+    material.specularImage = addImage(2, 1, 4, [](int x, int, int c) { return c == 3 ? 255 - 204 * x : 9; });
+    material.specularColorImage = addImage(2, 1, 3, [](int, int, int c) { return c == 0 ? 188 : 255; });
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    ASSERT_EQ(maps.specular.width, 2);
+    expectNear(maps.specular.at(0, 0), {0.04f * 0.50289f, 0.04f, 0.04f}, 1e-5f); // 188 encodes 0.50289
+    expectNear(maps.specular.at(1, 0), {0.008f * 0.50289f, 0.008f, 0.008f}, 1e-5f);
+}
+
+TEST_F(MaterialMaps, SpecularGlossiness)
+{
+    material.specularGlossiness = true;
+    material.metallic = 0.0f;
+    material.baseColor = {0.8f, 0.4f, 0.2f, 1.0f};
+    material.specularColor = {0.25f, 0.5f, 0.0f};
+    material.glossiness = 0.75f;
+    const baker::Maps constant = reflectanceMaps(scene, material);
+    expectNear(&constant.specularConstant.x, {0.25f, 0.5f, 0.0f});
+    expectNear(&constant.diffuseConstant.x, {0.4f, 0.2f, 0.1f}); // times 1 - max(specular)
+    EXPECT_FLOAT_EQ(constant.powerConstant, baker::powerFromRoughness(0.25f));
+    material.metallicRoughnessImage =
+        addImage(2, 1, 4, [](int x, int, int c) { return c == 3 ? 255 - 153 * x : 188; });
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    EXPECT_NEAR(*maps.roughness.at(0, 0), 0.25f, 1e-5f);
+    EXPECT_NEAR(*maps.roughness.at(1, 0), 0.7f, 1e-5f); // 1 - 0.75 * 0.4
+    expectNear(&maps.specularConstant.x, {0.125722f, 0.251445f, 0.0f}, 1e-5f);
+}
+
+// alpha along the direction is mix(alpha, 1, strength^2), alpha = roughness^2.
+TEST_F(MaterialMaps, AnisotropyWidensTheLobeAlongItsDirection)
+{
+    material.roughness = 0.5f;
+    material.anisotropy = 0.6f;
+    material.anisotropyRotation = glm::radians(-45.0f);
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    const float along = 0.25f + 0.75f * 0.36f; // 0.52
+    EXPECT_NEAR(maps.anisotropicPower.x, 2.0f / (along * along) - 2.0f, 1e-4f);
+    EXPECT_NEAR(maps.anisotropicPower.y, 30.0f, 1e-4f); // 2 / 0.25^2 - 2
+    ASSERT_EQ(maps.tangentRotation.pixels.size(), 1u);
+    EXPECT_NEAR(maps.tangentRotation.pixels[0], 0.75f,
+                1e-6f); // -45 degrees is 135 on the circle of half turns
+    EXPECT_TRUE(maps.roughness.empty());
+}
+
+TEST_F(MaterialMaps, AnisotropyImagesHoldDirectionAndStrength)
+{
+    material.roughness = 0.5f;
+    material.anisotropy = 1.0f;
+    material.anisotropyRotation = glm::radians(90.0f);
+    // Left: along +x at full strength; right: along +y at 0.4. Zero is 127.5, which 8 bits miss by a little.
+    material.anisotropyImage = addImage(2, 1, 3, [](int x, int, int c) {
+        return c == 0 ? (x ? 128 : 255) : c == 1 ? (x ? 255 : 128) : 255 - 153 * x;
+    });
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    EXPECT_NEAR(*maps.tangentRotation.at(0, 0), 0.5f, 2e-3f);
+    const float right = *maps.tangentRotation.at(1, 0); // half a turn, which is none
+    EXPECT_NEAR(std::min(right, 1.0f - right), 0.0f, 2e-3f);
+    EXPECT_NEAR(*maps.anisotropy.at(0, 0), 1.0f, 1e-5f);
+    EXPECT_NEAR(*maps.anisotropy.at(1, 0), 0.4f, 1e-5f);
+    EXPECT_FLOAT_EQ(maps.roughness.pixels.at(0), 0.5f) << "the baker needs one";
+}
+
+TEST_F(MaterialMaps, UnlitReflectsNothing)
+{
+    material.unlit = true;
+    material.emissive = {0.5f, 0.5f, 0.5f};
+    material.metallicRoughnessImage = addImage(4, 4, 3, [](int x, int, int) { return 20 * x; });
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    expectNear(&maps.specularConstant.x, glm::vec3(0.0f));
+    expectNear(&maps.diffuseConstant.x, glm::vec3(0.0f));
+    EXPECT_TRUE(maps.specular.empty() && maps.diffuse.empty() && maps.roughness.empty());
+    EXPECT_NEAR(glowImage(scene, material).pixels[0], 0.5f, 1e-6f);
+}
+
 TEST_F(MaterialMaps, BrokenImagesAreNamed)
 {
     const IgnoreOiioLeak ignore;

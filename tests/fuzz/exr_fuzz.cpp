@@ -1,0 +1,14 @@
+// libFuzzer target: any bytes as a baked EXR. It is read whole or it is an Error.
+#include "baker/bake.h"
+#include "core/error.h"
+#include "fuzz_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+    static lumel::FuzzFile file(".exr");
+    try {
+        lumel::baker::readExr(file.write(data, size));
+    } catch (const lumel::Error&) { // refused
+    }
+    return 0;
+}

@@ -1,0 +1,32 @@
+// libFuzzer target: any bytes as a glTF file. It loads, with its material maps, or it is an Error.
+#include "core/error.h"
+#include "fuzz_file.h"
+#include "scene/material_maps.h"
+#include <spdlog/spdlog.h>
+
+namespace lumel {
+namespace {
+
+void load(const std::filesystem::path& file)
+{
+    const scene::Scene scene = scene::loadGltf(file);
+    for (const scene::Material& material : scene.materials) {
+        scene::reflectanceMaps(scene, material);
+        scene::glowImage(scene, material);
+        scene::opacityImage(scene, material);
+    }
+}
+
+} // namespace
+} // namespace lumel
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
+{
+    spdlog::set_level(spdlog::level::off);
+    static lumel::FuzzFile file(".gltf");
+    try {
+        lumel::load(file.write(data, size));
+    } catch (const lumel::Error&) { // refused
+    }
+    return 0;
+}
