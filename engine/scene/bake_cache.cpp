@@ -52,6 +52,8 @@ std::string BakeCache::key(const Material& m) const
     for (int image : {m.baseColorImage, m.metallicRoughnessImage, m.normalImage, m.occlusionImage,
                       m.emissiveImage, m.heightImage})
         hash.add(image < 0 ? std::string("none") : imageHashes_[size_t(image)]);
+    if (m.uv.wrapU != Wrap::repeat || m.uv.wrapV != Wrap::repeat)
+        hash.add(std::string("clamp"));
     return hash.hex();
 }
 

@@ -20,7 +20,8 @@ constexpr size_t kMaxJsonValues = 20'000'000;      // some 100 bytes of memory e
 constexpr size_t kMaxJsonBytes = size_t(1) << 31;  // tinygltf counts with 32 bits
 constexpr size_t kMaxTotalBytes = size_t(4) << 30; // all buffers and images together
 
-constexpr std::array kSupportedExtensions = {"KHR_lights_punctual", "KHR_materials_emissive_strength"};
+constexpr std::array kSupportedExtensions = {"KHR_lights_punctual", "KHR_materials_emissive_strength",
+                                             "KHR_texture_transform"};
 
 bool supported(const std::string& extension)
 {

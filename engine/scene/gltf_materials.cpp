@@ -13,6 +13,7 @@ public:
 
     Material read()
     {
+        const Places places = chooseUvs();
         const auto& pbr = in_.pbrMetallicRoughness;
         for (int c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)
             out_.baseColor[c] = factor(pbr.baseColorFactor[size_t(c)], 1.0f, "baseColorFactor");
@@ -27,6 +28,7 @@ public:
         readEmission();
         readAlpha();
         out_.doubleSided = in_.doubleSided;
+        sayMoved(places);
         readHeight();
         return out_;
     }
@@ -47,11 +49,91 @@ private:
     template<class TextureInfo>
     int image(const TextureInfo& info, const char* what) const
     {
-        if (info.index < 0)
-            return -1;
-        if (info.texCoord != 0)
+        return info.index < 0 ? -1 : imageOfTexture(info.index, what);
+    }
+
+    // Where the material's images are read, by their names; those that have none are left out.
+    using Places = std::vector<std::pair<const char*, UvMapping>>;
+
+    template<class TextureInfo>
+    void addPlace(Places& places, const TextureInfo& info, const char* what) const
+    {
+        if (info.index >= 0 && size_t(info.index) < reader_.model.textures.size())
+            places.emplace_back(what, mapping(info));
+    }
+
+    // The baker joins all maps of a kind into one, read at one place: that of the first.
+    Places chooseUvs()
+    {
+        Places own, glow;
+        addPlace(own, in_.normalTexture, "normalTexture");
+        addPlace(own, in_.pbrMetallicRoughness.baseColorTexture, "baseColorTexture");
+        addPlace(own, in_.pbrMetallicRoughness.metallicRoughnessTexture, "metallicRoughnessTexture");
+        addPlace(glow, in_.occlusionTexture, "occlusionTexture");
+        addPlace(glow, in_.emissiveTexture, "emissiveTexture");
+        if (!own.empty())
+            out_.uv = own.front().second;
+        out_.glowUv = glow.empty() ? out_.uv : glow.front().second;
+        Places moved;
+        for (const auto& place : own)
+            if (place.second != out_.uv)
+                moved.push_back(place);
+        for (const auto& place : glow)
+            if (place.second != out_.glowUv)
+                moved.push_back(place);
+        return moved;
+    }
+
+    void sayMoved(const Places& moved) const
+    {
+        for (const auto& [what, place] : moved)
+            reader_.document.ignored.insert(
+                fmt::format("texture coordinates of {} that differ from the material's other maps", what));
+    }
+
+    static Wrap wrapOf(int mode)
+    {
+        return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Wrap::clamp
+               : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::mirror
+                                                               : Wrap::repeat;
+    }
+
+    template<class TextureInfo>
+    UvMapping mapping(const TextureInfo& info) const
+    {
+        UvMapping m;
+        m.set = info.texCoord;
+        const int sampler = reader_.model.textures[size_t(info.index)].sampler;
+        if (sampler >= 0 && size_t(sampler) < reader_.model.samplers.size()) {
+            m.wrapU = wrapOf(reader_.model.samplers[size_t(sampler)].wrapS);
+            m.wrapV = wrapOf(reader_.model.samplers[size_t(sampler)].wrapT);
+        }
+        const auto found = info.extensions.find("KHR_texture_transform");
+        if (found != info.extensions.end() && found->second.IsObject()) {
+            const tinygltf::Value& transform = found->second;
+            m.offset = pair(transform, "offset", m.offset);
+            m.scale = pair(transform, "scale", m.scale);
+            if (transform.Has("rotation"))
+                m.rotation = number(transform.Get("rotation"), "KHR_texture_transform.rotation");
+            if (transform.Has("texCoord"))
+                m.set = int(number(transform.Get("texCoord"), "KHR_texture_transform.texCoord"));
+        }
+        if (m.set != 0 && m.set != 1) {
             reader_.document.ignored.insert("further UV sets");
-        return imageOfTexture(info.index, what);
+            m.set = 0;
+        }
+        return m;
+    }
+
+    glm::vec2 pair(const tinygltf::Value& transform, const char* name, glm::vec2 usual) const
+    {
+        if (!transform.Has(name))
+            return usual;
+        const tinygltf::Value& value = transform.Get(name);
+        if (!value.IsArray() || value.ArrayLen() != 2)
+            reader_.fail(fmt::format("material '{}': KHR_texture_transform.{} is not a pair of numbers",
+                                     out_.name, name));
+        return {number(value.Get(0), name), number(value.Get(1), name)};
     }
 
     int imageOfTexture(int index, const char* what) const
@@ -129,6 +211,16 @@ private:
 };
 
 } // namespace
+
+// KHR_texture_transform: scaled, then rotated (from u towards -v), then moved.
+glm::vec2 UvMapping::operator()(glm::vec2 uv) const
+{
+    if (scale == glm::vec2(1.0f) && rotation == 0.0f && offset == glm::vec2(0.0f))
+        return uv;
+    const float c = std::cos(rotation), s = std::sin(rotation);
+    const glm::vec2 p = uv * scale;
+    return glm::vec2(c * p.x + s * p.y, c * p.y - s * p.x) + offset;
+}
 
 void readMaterials(Reader& reader, Scene& scene)
 {

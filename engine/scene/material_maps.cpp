@@ -199,6 +199,8 @@ baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
 {
     Decoder decoder(scene);
     baker::Maps maps;
+    if (material.uv.wrapU != Wrap::repeat || material.uv.wrapV != Wrap::repeat)
+        maps.wrap = baker::Wrap::clamp;
     if (material.heightImage >= 0) {
         maps.height = *decoder.get(material.heightImage);
         maps.heightScale = material.heightScale;

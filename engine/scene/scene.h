@@ -10,7 +10,16 @@
 
 namespace lumel::scene {
 
-using shared::Vertex; // position, normal, tangent (w = handedness), uv; metres and glTF's frame
+using shared::Vertex; // metres and glTF's frame
+
+// How well a mesh was unwrapped, see unwrap.h. Shares are of the texture's area, gaps of its width.
+struct UnwrapReport {
+    uint32_t charts = 0;
+    float meanStretch = 1.0f, worstStretch = 1.0f;
+    float leastDensity = 1.0f, greatestDensity = 1.0f; // of the mean
+    float coveredShare = 0.0f;
+    float gap = 0.0f; // least distance between charts
+};
 
 // One glTF primitive (triangles).
 struct Mesh {
@@ -18,13 +27,28 @@ struct Mesh {
     std::vector<Vertex> vertices;
     std::vector<uint32_t> indices;
     Bounds bounds;
-    // Empty when each point of [0, 1]^2 belongs to at most one triangle, so that lumels are unique;
-    // else the reason: "UVs overlap by 7.5 %" (of the area they cover), "UVs leave [0, 1]", "no UVs",
-    // "UVs cover no area".
+    // Of the lit UVs (Vertex::uv). Empty when each point of [0, 1]^2 belongs to at most one triangle, so that
+    // lumels are unique; else the reason: "UVs overlap by 7.5 %" (of the area they cover), "UVs leave [0,
+    // 1]", "no UVs", "UVs cover no area".
     std::string uvProblem;
+    std::optional<UnwrapReport> unwrapped; // the lit UVs were made here
 };
 
 enum class AlphaMode { opaque, mask, blend };
+
+enum class Wrap { repeat, mirror, clamp };
+
+// Where a texture is read: a UV set of the mesh, transformed (KHR_texture_transform), and what lies beyond
+// [0, 1].
+struct UvMapping {
+    int set = 0; // TEXCOORD_0 or _1
+    glm::vec2 offset{0.0f}, scale{1.0f};
+    float rotation = 0.0f; // radians
+    Wrap wrapU = Wrap::repeat, wrapV = Wrap::repeat;
+
+    bool operator==(const UvMapping&) const = default;
+    glm::vec2 operator()(glm::vec2 uv) const;
+};
 
 // Images are indices into Scene::images, -1 for none. Factors multiply images, as in glTF 2.0.
 struct Material {
@@ -40,6 +64,8 @@ struct Material {
     int normalImage = -1;            // linear
     int occlusionImage = -1;         // linear, R
     int emissiveImage = -1;          // sRGB
+    UvMapping uv;                    // of all images but
+    UvMapping glowUv;                // occlusion and emission
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;
