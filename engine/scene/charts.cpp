@@ -1,12 +1,13 @@
 // Charts grow from the largest triangles over neighbours whose normals stay near the chart's mean (Sander et
 // al. 2001, "Texture Mapping Progressive Meshes", use the same cone), then small ones join neighbours where
-// the cone allows it, then what folds over itself on its plane is halved until nothing does. Plane projection
+// the cone allows it, then what folds over itself on its plane, or leaves much of its box empty, is
+// halved until nothing does. Plane projection
 // is the simplest mapping with a stretch that is known beforehand; conformal ones (Levy et al. 2002) give
 // fewer charts, but a density that is not bounded.
-#include "charts.h"
+#include "flatten.h"
 #include <map>
-#include <numbers>
 #include <numeric>
+#include <queue>
 
 namespace lumel::scene {
 namespace {
@@ -22,56 +23,6 @@ Vec3 unit(Vec3 v)
     return length > 0.0 ? v / length : Vec3(0.0);
 }
 
-// One number for each distinct position: charts grow across vertices that were split for other attributes.
-std::vector<uint32_t> weldPositions(const Mesh& mesh)
-{
-    std::vector<uint32_t> order(mesh.vertices.size());
-    std::iota(order.begin(), order.end(), 0u);
-    const auto key = [&](uint32_t i) {
-        const glm::vec3 p = mesh.vertices[i].position;
-        return std::array<float, 3>{p.x, p.y, p.z};
-    };
-    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
-    std::vector<uint32_t> welded(order.size());
-    for (size_t i = 0; i < order.size(); ++i)
-        welded[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? welded[order[i - 1]] : order[i];
-    return welded;
-}
-
-// Corners in the plane of `axis`, in metres from the first one.
-std::vector<FlatTriangle> project(const Mesh& mesh, const Chart& chart)
-{
-    const Vec3 n = chart.axis;
-    const Vec3 u = unit(std::abs(n.x) < 0.9 ? glm::cross(Vec3(1, 0, 0), n) : glm::cross(Vec3(0, 1, 0), n));
-    const Vec3 v = glm::cross(n, u);
-    const Vec3 origin = mesh.vertices[mesh.indices[3 * chart.triangles.front()]].position;
-    std::vector<FlatTriangle> flat;
-    flat.reserve(chart.triangles.size());
-    for (uint32_t t : chart.triangles) {
-        FlatTriangle corners;
-        for (size_t c = 0; c < 3; ++c) {
-            const Vec3 p = Vec3(mesh.vertices[mesh.indices[3 * t + c]].position) - origin;
-            corners[c] = {glm::dot(p, u), glm::dot(p, v)};
-        }
-        flat.push_back(corners);
-    }
-    return flat;
-}
-
-// Does the chart, projected, lie on itself anywhere? Brought to size 1 for the test's tolerances.
-bool folds(const Mesh& mesh, const Chart& chart)
-{
-    std::vector<FlatTriangle> flat = project(mesh, chart);
-    double extent = 0.0;
-    for (const FlatTriangle& t : flat)
-        for (const glm::dvec2 p : t)
-            extent = std::max({extent, std::abs(p.x), std::abs(p.y)});
-    for (FlatTriangle& t : flat)
-        for (glm::dvec2& p : t)
-            p /= extent;
-    return anyOverlap(flat);
-}
-
 class ChartCutter {
 public:
     explicit ChartCutter(const Mesh& mesh)
@@ -80,6 +31,11 @@ public:
     {
         for (size_t t = 0; t < count_; ++t) {
             const Vec3 across = glm::cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
+            const double longest = std::max({glm::distance(corner(t, 0), corner(t, 1)),
+                                             glm::distance(corner(t, 1), corner(t, 2)),
+                                             glm::distance(corner(t, 2), corner(t, 0))});
+            if (glm::length(across) <= kThinnest * longest * longest)
+                continue;
             area_[t] = 0.5 * glm::length(across);
             normal_[t] = unit(across);
         }
@@ -89,6 +45,8 @@ public:
     std::vector<Chart> cut()
     {
         growAll();
+        for (int round = 0; round < kRegrowths; ++round)
+            regrow();
         for (int pass = 0; pass < kMostMergePasses && mergeSmall(); ++pass)
             ;
         splitFolds();
@@ -96,16 +54,19 @@ public:
     }
 
 private:
-    static constexpr int kMostMergePasses = 8;
+    static constexpr int kRegrowths = 3, kMostMergePasses = 8;
 
     Vec3 corner(size_t t, size_t c) const { return mesh_.vertices[mesh_.indices[3 * t + c]].position; }
 
     void findNeighbours();
     void growAll();
     void growFrom(uint32_t seed);
+    void regrow();
+    uint32_t middleOf(const Chart& chart) const;
     bool mergeSmall();
     bool tryMerge(uint32_t small);
     void splitFolds();
+    bool isWasteful(const Chart& chart, double total) const;
     Vec3 weightedNormal(const std::vector<uint32_t>& triangles) const
     {
         Vec3 sum(0.0);
@@ -205,6 +166,59 @@ void ChartCutter::growFrom(uint32_t seed)
     charts_.push_back(std::move(chart));
 }
 
+// The triangle nearest to the chart's centre among those that face along its axis.
+uint32_t ChartCutter::middleOf(const Chart& chart) const
+{
+    const auto centre = [&](uint32_t t) { return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0; };
+    Vec3 sum(0.0);
+    double area = 0.0;
+    for (uint32_t t : chart.triangles) {
+        sum += area_[t] * centre(t);
+        area += area_[t];
+    }
+    std::tuple<bool, double, uint32_t> best(true, std::numeric_limits<double>::max(), kNone);
+    for (uint32_t t : chart.triangles)
+        best = std::min(
+            best, {glm::dot(normal_[t], chart.axis) < kGrowCosine, glm::distance(centre(t), sum / area), t});
+    return std::get<2>(best);
+}
+
+// Grows the larger charts again, all at once from their middles along their axes, so that they share out what
+// smaller ones had between them; then what is left (Cohen-Steiner et al. 2004, "Variational Shape
+// Approximation").
+void ChartCutter::regrow()
+{
+    const std::vector<Chart> before = std::move(charts_);
+    double total = 0.0;
+    for (const Chart& chart : before)
+        total += glm::length(weightedNormal(chart.triangles));
+    charts_.clear();
+    std::fill(chartOf_.begin(), chartOf_.end(), kNone);
+    using Step = std::tuple<double, uint32_t, uint32_t>; // 1 - cosine to the axis, triangle, chart
+    std::priority_queue<Step, std::vector<Step>, std::greater<>> steps;
+    for (const Chart& chart : before)
+        if (glm::length(weightedNormal(chart.triangles)) >= 0.25 * total / double(before.size())) {
+            steps.emplace(0.0, middleOf(chart), uint32_t(charts_.size()));
+            charts_.push_back({{}, chart.axis});
+        }
+    while (!steps.empty()) {
+        const auto [cost, t, id] = steps.top();
+        steps.pop();
+        if (chartOf_[t] != kNone)
+            continue;
+        chartOf_[t] = id;
+        charts_[id].triangles.push_back(t);
+        for (uint32_t next : neighbours_[t])
+            if (next != kNone && chartOf_[next] == kNone &&
+                glm::dot(normal_[next], charts_[id].axis) >= kLeastCosine)
+                steps.emplace(1.0 - glm::dot(normal_[next], charts_[id].axis), next, id);
+    }
+    for (Chart& chart : charts_)
+        if (const Vec3 mean = unit(weightedNormal(chart.triangles)); within(chart.triangles, mean))
+            chart.axis = mean;
+    growAll();
+}
+
 // Joins the chart to the neighbour with the longest common border that the cone allows.
 bool ChartCutter::tryMerge(uint32_t small)
 {
@@ -271,8 +285,27 @@ std::vector<std::vector<uint32_t>> ChartCutter::connectedParts(std::span<const u
     return parts;
 }
 
+// Does a large chart leave most of its box empty? Arcs and rings do.
+bool ChartCutter::isWasteful(const Chart& chart, double total) const
+{
+    constexpr double kLarge = 0.005, kFilled = 0.4; // of the mesh, of the box
+    if (glm::length(weightedNormal(chart.triangles)) < kLarge * total)
+        return false;
+    glm::dvec2 lower(std::numeric_limits<double>::max()), upper(-lower);
+    double area = 0.0;
+    for (const FlatTriangle& t : flatten(mesh_, chart)) {
+        for (const glm::dvec2 p : t) {
+            lower = glm::min(lower, p);
+            upper = glm::max(upper, p);
+        }
+        area += 0.5 * std::abs((t[1].x - t[0].x) * (t[2].y - t[0].y) - (t[1].y - t[0].y) * (t[2].x - t[0].x));
+    }
+    return area < kFilled * (upper.x - lower.x) * (upper.y - lower.y);
+}
+
 void ChartCutter::splitFolds()
 {
+    const double total = std::accumulate(area_.begin(), area_.end(), 0.0);
     std::vector<Chart> waiting = std::move(charts_), done;
     std::reverse(waiting.begin(), waiting.end());
     while (!waiting.empty()) {
@@ -280,7 +313,7 @@ void ChartCutter::splitFolds()
         waiting.pop_back();
         if (chart.triangles.empty())
             continue;
-        if (chart.triangles.size() == 1 || !folds(mesh_, chart)) {
+        if (chart.triangles.size() == 1 || (!folds(mesh_, chart) && !isWasteful(chart, total))) {
             done.push_back(std::move(chart));
             continue;
         }
@@ -296,52 +329,26 @@ void ChartCutter::splitFolds()
     charts_ = std::move(done);
 }
 
-glm::dvec2 turned(glm::dvec2 p, glm::dvec2 direction)
-{
-    return {p.x * direction.x + p.y * direction.y, p.y * direction.x - p.x * direction.y};
-}
-
 } // namespace
+
+std::vector<uint32_t> weldPositions(const Mesh& mesh)
+{
+    std::vector<uint32_t> order(mesh.vertices.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto key = [&](uint32_t i) {
+        const glm::vec3 p = mesh.vertices[i].position;
+        return std::array<float, 3>{p.x, p.y, p.z};
+    };
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
+    std::vector<uint32_t> welded(order.size());
+    for (size_t i = 0; i < order.size(); ++i)
+        welded[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? welded[order[i - 1]] : order[i];
+    return welded;
+}
 
 std::vector<Chart> cutCharts(const Mesh& mesh)
 {
     return ChartCutter(mesh).cut();
-}
-
-std::vector<FlatTriangle> flatten(const Mesh& mesh, const Chart& chart)
-{
-    std::vector<FlatTriangle> flat = project(mesh, chart);
-    // Candidates: the longest edge, and turned from it by steps of 90 / 32 degrees; among them is 45 degrees,
-    // where the longest edge is a square's diagonal.
-    glm::dvec2 longest(1.0, 0.0);
-    double length = 0.0;
-    for (const FlatTriangle& t : flat)
-        for (size_t c = 0; c < 3; ++c)
-            if (const glm::dvec2 edge = t[(c + 1) % 3] - t[c]; glm::length(edge) > length * (1.0 + 1e-9)) {
-                length = glm::length(edge);
-                longest = edge / length;
-            }
-    constexpr int kTurns = 32;
-    double least = std::numeric_limits<double>::max();
-    glm::dvec2 best = longest;
-    for (int i = 0; i < kTurns; ++i) {
-        const double angle = 0.5 * std::numbers::pi * i / kTurns;
-        const glm::dvec2 direction = turned(longest, {std::cos(angle), std::sin(angle)});
-        glm::dvec2 lower(std::numeric_limits<double>::max()), upper(-lower);
-        for (const FlatTriangle& t : flat)
-            for (const glm::dvec2 p : t) {
-                lower = glm::min(lower, turned(p, direction));
-                upper = glm::max(upper, turned(p, direction));
-            }
-        if (const double area = (upper.x - lower.x) * (upper.y - lower.y); area < least * (1.0 - 1e-6)) {
-            least = area;
-            best = direction;
-        }
-    }
-    for (FlatTriangle& t : flat)
-        for (glm::dvec2& p : t)
-            p = turned(p, best);
-    return flat;
 }
 
 } // namespace lumel::scene

@@ -1,6 +1,6 @@
 // Cuts a mesh into charts: connected pieces that lie flat on a plane, without folds, at a bounded stretch.
 #pragma once
-#include "uv_check.h"
+#include "scene.h"
 
 namespace lumel::scene {
 
@@ -15,11 +15,14 @@ struct Chart {
 inline constexpr double kLeastCosine = 0.70710678118654752;
 inline constexpr double kMostStretch = 1.0 / kLeastCosine;
 
+// One number for each distinct position: charts grow across vertices that were split for other attributes.
+std::vector<uint32_t> weldPositions(const Mesh& mesh);
+
+// Triangles thinner than this (height by longest edge) count as without area: across the whole texture they
+// are a twentieth of a lumel, and their normals are rounding.
+inline constexpr double kThinnest = 1e-5;
+
 // All triangles that have an area in space, each in one chart. The same mesh always gives the same charts.
 std::vector<Chart> cutCharts(const Mesh& mesh);
-
-// The chart on its plane, in metres, counter-clockwise seen against the axis; turned so that its upright box
-// around it is small.
-std::vector<FlatTriangle> flatten(const Mesh& mesh, const Chart& chart);
 
 } // namespace lumel::scene

@@ -1,6 +1,6 @@
 #include "unwrap.h"
-#include "charts.h"
 #include "core/error.h"
+#include "flatten.h"
 #include <fmt/format.h>
 #include <unordered_map>
 // One header, public domain; Debian's package has no library.
@@ -23,6 +23,8 @@ constexpr double kGoodShare = 0.4; // of the texture; below, narrower gaps are t
 
 constexpr size_t kMostTriangles = size_t(1) << 21;
 constexpr size_t kMostCharts = size_t(1) << 16;
+
+constexpr uint32_t kUnplaced = ~0u; // a corner that has no vertex yet
 
 // A chart on its plane at even density: as large as its surface, its corner at (0, 0).
 struct FlatChart {
@@ -151,6 +153,29 @@ void addChart(const Mesh& mesh, const Chart& chart, const FlatChart& flat, const
         }
 }
 
+// Triangles without area shrink to a point, that of a corner which belongs to a chart: should a pixel meet
+// one, it shows its neighbour.
+void placeThin(const Mesh& mesh, Unwrapping& out)
+{
+    const std::vector<uint32_t> welded = weldPositions(mesh);
+    std::vector<glm::vec2> uvAt(mesh.vertices.size(), glm::vec2(-1.0f));
+    for (size_t i = 0; i < out.sources.size(); ++i)
+        uvAt[welded[out.sources[i]]] = out.uvs[i];
+    for (size_t t = 0; t < out.indices.size(); t += 3) {
+        if (out.indices[t] != kUnplaced)
+            continue;
+        glm::vec2 uv(0.0f);
+        for (size_t c = 0; c < 3; ++c)
+            if (const glm::vec2 found = uvAt[welded[mesh.indices[t + c]]]; found.x >= 0.0f)
+                uv = found;
+        for (size_t c = 0; c < 3; ++c) {
+            out.indices[t + c] = uint32_t(out.sources.size());
+            out.sources.push_back(mesh.indices[t + c]);
+            out.uvs.push_back(uv);
+        }
+    }
+}
+
 } // namespace
 
 Unwrapping unwrap(const Mesh& mesh)
@@ -170,20 +195,13 @@ Unwrapping unwrap(const Mesh& mesh)
     if (packing.scale == 0.0)
         throw Error(fmt::format("no room for {} charts", charts.size()));
 
-    constexpr uint32_t kUnplaced = ~0u;
     Unwrapping out;
     out.indices.assign(mesh.indices.size(), kUnplaced);
     out.charts = uint32_t(charts.size());
     out.gap = float(packing.gap) / float(kCells);
     for (const stbrp_rect& box : packing.boxes)
         addChart(mesh, charts[size_t(box.id)], flat[size_t(box.id)], box, packing, out);
-    // Triangles without area are drawn by no rasteriser: their corners may lie anywhere, together.
-    for (size_t slot = 0; slot < out.indices.size(); ++slot)
-        if (out.indices[slot] == kUnplaced) {
-            out.indices[slot] = uint32_t(out.sources.size());
-            out.sources.push_back(mesh.indices[slot]);
-            out.uvs.push_back(glm::vec2(0.0f));
-        }
+    placeThin(mesh, out);
     return out;
 }
 

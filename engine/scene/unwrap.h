@@ -14,7 +14,7 @@ struct Unwrapping {
 };
 
 // Looks at positions and indices only. The same mesh gives the same result everywhere. Triangles without area
-// are kept; their UVs cover nothing. Throws Error when the mesh is too large or shattered to be packed, with
+// are kept; their UVs are a point. Throws Error when the mesh is too large or shattered to be packed, with
 // the reason alone.
 Unwrapping unwrap(const Mesh& mesh);
 
