@@ -13,7 +13,7 @@ public:
 
     Material read()
     {
-        const Places places = chooseUvs();
+        chooseUvs();
         const auto& pbr = in_.pbrMetallicRoughness;
         for (int c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)
             out_.baseColor[c] = factor(pbr.baseColorFactor[size_t(c)], 1.0f, "baseColorFactor");
@@ -28,7 +28,6 @@ public:
         readEmission();
         readAlpha();
         out_.doubleSided = in_.doubleSided;
-        sayMoved(places);
         readHeight();
         return out_;
     }
@@ -52,43 +51,36 @@ private:
         return info.index < 0 ? -1 : imageOfTexture(info.index, what);
     }
 
-    // Where the material's images are read, by their names; those that have none are left out.
-    using Places = std::vector<std::pair<const char*, UvMapping>>;
-
-    template<class TextureInfo>
-    void addPlace(Places& places, const TextureInfo& info, const char* what) const
+    // Of each kind the first map that there is sets where all of them are read.
+    void chooseUvs()
     {
-        if (info.index >= 0 && size_t(info.index) < reader_.model.textures.size())
-            places.emplace_back(what, mapping(info));
+        const auto& pbr = in_.pbrMetallicRoughness;
+        const auto normal = mapping(in_.normalTexture), base = mapping(pbr.baseColorTexture),
+                   metal = mapping(pbr.metallicRoughnessTexture), occlusion = mapping(in_.occlusionTexture),
+                   emissive = mapping(in_.emissiveTexture);
+        out_.uv = normal ? *normal : base ? *base : metal.value_or(UvMapping{});
+        out_.glowUv = occlusion ? *occlusion : emissive.value_or(out_.uv);
+        out_.baseColorUv = base.value_or(out_.uv);
+        out_.metallicRoughnessUv = metal.value_or(out_.uv);
+        out_.emissiveUv = emissive.value_or(out_.glowUv);
+        sayUnlike(out_.uv, out_.baseColorUv, "baseColorTexture");
+        sayUnlike(out_.uv, out_.metallicRoughnessUv, "metallicRoughnessTexture");
+        sayUnlike(out_.glowUv, out_.emissiveUv, "emissiveTexture");
     }
 
-    // The baker joins all maps of a kind into one, read at one place: that of the first.
-    Places chooseUvs()
+    // Another UV set or wrap mode cannot be baked into one map with the others; a transform can, but beyond
+    // [0, 1] only if both repeat together.
+    void sayUnlike(const UvMapping& common, const UvMapping& own, const char* what) const
     {
-        Places own, glow;
-        addPlace(own, in_.normalTexture, "normalTexture");
-        addPlace(own, in_.pbrMetallicRoughness.baseColorTexture, "baseColorTexture");
-        addPlace(own, in_.pbrMetallicRoughness.metallicRoughnessTexture, "metallicRoughnessTexture");
-        addPlace(glow, in_.occlusionTexture, "occlusionTexture");
-        addPlace(glow, in_.emissiveTexture, "emissiveTexture");
-        if (!own.empty())
-            out_.uv = own.front().second;
-        out_.glowUv = glow.empty() ? out_.uv : glow.front().second;
-        Places moved;
-        for (const auto& place : own)
-            if (place.second != out_.uv)
-                moved.push_back(place);
-        for (const auto& place : glow)
-            if (place.second != out_.glowUv)
-                moved.push_back(place);
-        return moved;
-    }
-
-    void sayMoved(const Places& moved) const
-    {
-        for (const auto& [what, place] : moved)
+        bool alike = own.set == common.set && own.wrapU == common.wrapU && own.wrapV == common.wrapV;
+        const auto relative = mappingBetween(common, own);
+        for (int i = 0; i < 4 && alike; ++i) {
+            const float entry = relative ? (*relative)[i / 2][i % 2] : 0.5f;
+            alike = std::abs(entry - std::round(entry)) < 1e-3f;
+        }
+        if (!alike)
             reader_.document.ignored.insert(
-                fmt::format("texture coordinates of {} that differ from the material's other maps", what));
+                fmt::format("texture coordinates of {} unlike those of the material's other maps", what));
     }
 
     static Wrap wrapOf(int mode)
@@ -98,9 +90,12 @@ private:
                                                                : Wrap::repeat;
     }
 
+    // Nothing where there is no texture.
     template<class TextureInfo>
-    UvMapping mapping(const TextureInfo& info) const
+    std::optional<UvMapping> mapping(const TextureInfo& info) const
     {
+        if (info.index < 0 || size_t(info.index) >= reader_.model.textures.size())
+            return std::nullopt;
         UvMapping m;
         m.set = info.texCoord;
         const int sampler = reader_.model.textures[size_t(info.index)].sampler;
@@ -211,16 +206,6 @@ private:
 };
 
 } // namespace
-
-// KHR_texture_transform: scaled, then rotated (from u towards -v), then moved.
-glm::vec2 UvMapping::operator()(glm::vec2 uv) const
-{
-    if (scale == glm::vec2(1.0f) && rotation == 0.0f && offset == glm::vec2(0.0f))
-        return uv;
-    const float c = std::cos(rotation), s = std::sin(rotation);
-    const glm::vec2 p = uv * scale;
-    return glm::vec2(c * p.x + s * p.y, c * p.y - s * p.x) + offset;
-}
 
 void readMaterials(Reader& reader, Scene& scene)
 {

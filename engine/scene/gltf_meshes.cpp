@@ -121,7 +121,7 @@ UvSets readUvSets(const Reader& reader, const Attributes& use, size_t vertexCoun
 }
 
 // Where the material reads its maps.
-void setMaterialUvs(const UvSets& sets, const Material& material, Mesh& mesh)
+void setMaterialUvs(const Reader& reader, const UvSets& sets, const Material& material, Mesh& mesh)
 {
     const auto& own = sets[size_t(material.uv.set)];
     const auto& glow = sets[size_t(material.glowUv.set)];
@@ -130,6 +130,10 @@ void setMaterialUvs(const UvSets& sets, const Material& material, Mesh& mesh)
             mesh.vertices[i].materialUv = material.uv(own[i]);
         if (!glow.empty())
             mesh.vertices[i].glowUv = material.glowUv(glow[i]);
+        const glm::vec4 all(mesh.vertices[i].materialUv, mesh.vertices[i].glowUv);
+        if (!std::isfinite(all.x + all.y + all.z + all.w))
+            reader.fail(
+                fmt::format("mesh '{}': its material's KHR_texture_transform is out of range", mesh.name));
     }
 }
 
@@ -193,7 +197,7 @@ int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const Materia
     if (mesh.indices.empty())
         return -1;
     const UvSets sets = readUvSets(reader, use, mesh.vertices.size());
-    setMaterialUvs(sets, material, mesh);
+    setMaterialUvs(reader, sets, material, mesh);
     chooseLitUvs(sets, mesh);
     dropUnused(mesh);
     completeFrames(use, !sets[size_t(material.uv.set)].empty(), mesh);

@@ -6,6 +6,7 @@
 #include "baker/footprint.h"
 #include "core/error.h"
 #include <array>
+#include <deque>
 #include <fmt/format.h>
 #include <map>
 
@@ -59,10 +60,61 @@ Image resized(const Image& in, int width, int height)
     return out;
 }
 
+int wrapped(int i, int size, Wrap wrap)
+{
+    const auto modulo = [](int a, int n) { return (a % n + n) % n; };
+    if (wrap == Wrap::clamp)
+        return std::clamp(i, 0, size - 1);
+    if (wrap == Wrap::repeat)
+        return modulo(i, size);
+    const int twice = modulo(i, 2 * size);
+    return twice < size ? twice : 2 * size - 1 - twice;
+}
+
+// The image as it appears at coordinates `common`, where its own are `own`, both of one set; as fine as it
+// is.
+Image moved(const Image& in, const UvMapping& own, const UvMapping& common)
+{
+    constexpr float kMostTexels = 4096.0f;
+    const glm::mat3 relative = *mappingBetween(common, own);
+    const glm::vec2 inSize(in.width, in.height);
+    const auto texelsAlong = [&](glm::vec3 step) {
+        return int(std::clamp(std::ceil(glm::length(glm::vec2(step) * inSize) - 0.01f), 1.0f, kMostTexels));
+    };
+    Image out(texelsAlong(relative[0]), texelsAlong(relative[1]), in.channels);
+    for (int y = 0; y < out.height; ++y)
+        for (int x = 0; x < out.width; ++x) {
+            const glm::vec2 p = (glm::vec2(x, y) + 0.5f) / glm::vec2(out.width, out.height);
+            const glm::vec2 q = glm::clamp(glm::vec2(relative * glm::vec3(p, 1.0f)) * inSize - 0.5f,
+                                           glm::vec2(-1e9f), glm::vec2(1e9f));
+            const glm::ivec2 first(glm::floor(q));
+            const glm::vec2 f = q - glm::floor(q);
+            for (int corner = 0; corner < 4; ++corner) {
+                const int i = corner & 1, j = corner >> 1;
+                const float weight = (i ? f.x : 1.0f - f.x) * (j ? f.y : 1.0f - f.y);
+                const float* from = in.at(wrapped(first.x + i, in.width, own.wrapU),
+                                          wrapped(first.y + j, in.height, own.wrapV));
+                for (int c = 0; c < in.channels; ++c)
+                    out.at(x, y)[c] += weight * from[c];
+            }
+        }
+    return out;
+}
+
 // Images of one material, each decoded once: occlusion, roughness and metalness often share a file.
 class Decoder {
 public:
     explicit Decoder(const Scene& scene) : scene_(scene) {}
+
+    // The same at the coordinates that it shares with others.
+    const Image* get(int index, const UvMapping& own, const UvMapping& common)
+    {
+        const Image* image = get(index);
+        if (!image || own.set != common.set || own.matrix() == common.matrix() ||
+            !mappingBetween(common, own))
+            return image;
+        return &moved_.emplace_back(moved(*image, own, common));
+    }
 
     // Null for index -1.
     const Image* get(int index)
@@ -79,6 +131,7 @@ public:
 private:
     const Scene& scene_;
     std::map<int, Image> decoded_;
+    std::deque<Image> moved_;
 };
 
 // Two images brought to the size of the larger one. Either may be null: constant.
@@ -211,8 +264,10 @@ baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
         maps.normal = Image(1, 1, 3); // flat: the baker wants a surface
         maps.normal.pixels = {0.5f, 0.5f, 1.0f};
     }
-    const Image* metallicRoughness = decoder.get(material.metallicRoughnessImage);
-    setColours(material, decoder.get(material.baseColorImage), metallicRoughness, maps);
+    const Image* metallicRoughness =
+        decoder.get(material.metallicRoughnessImage, material.metallicRoughnessUv, material.uv);
+    setColours(material, decoder.get(material.baseColorImage, material.baseColorUv, material.uv),
+               metallicRoughness, maps);
     setRoughness(material, metallicRoughness, maps);
     return maps;
 }
@@ -225,8 +280,9 @@ bool glowVaries(const Material& material)
 Image glowImage(const Scene& scene, const Material& material)
 {
     Decoder decoder(scene);
-    const Pair pair(decoder.get(emits(material) ? material.emissiveImage : -1),
-                    decoder.get(occludes(material) ? material.occlusionImage : -1));
+    const Pair pair(
+        decoder.get(emits(material) ? material.emissiveImage : -1, material.emissiveUv, material.glowUv),
+        decoder.get(occludes(material) ? material.occlusionImage : -1));
     Image glow(pair.width, pair.height, 4);
     for (int y = 0; y < pair.height; ++y)
         for (int x = 0; x < pair.width; ++x) {
@@ -252,7 +308,7 @@ Image opacityImage(const Scene& scene, const Material& material)
     if (material.alphaMode == AlphaMode::opaque || material.baseColorImage < 0)
         return opacity;
     Decoder decoder(scene);
-    const Image& base = *decoder.get(material.baseColorImage);
+    const Image& base = *decoder.get(material.baseColorImage, material.baseColorUv, material.uv);
     if (base.channels != 2 && base.channels != 4) // grey or colour with alpha last
         return opacity;
     Image varying(base.width, base.height, 1);

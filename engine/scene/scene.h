@@ -48,7 +48,12 @@ struct UvMapping {
 
     bool operator==(const UvMapping&) const = default;
     glm::vec2 operator()(glm::vec2 uv) const;
+    glm::mat3 matrix() const; // the same, of (u, v, 1)
 };
+
+// Of coordinates that `from` gives to those that `to` gives, for mappings of one set. Nothing where `from`
+// has no inverse.
+std::optional<glm::mat3> mappingBetween(const UvMapping& from, const UvMapping& to);
 
 // Images are indices into Scene::images, -1 for none. Factors multiply images, as in glTF 2.0.
 struct Material {
@@ -64,8 +69,11 @@ struct Material {
     int normalImage = -1;            // linear
     int occlusionImage = -1;         // linear, R
     int emissiveImage = -1;          // sRGB
-    UvMapping uv;                    // of all images but
-    UvMapping glowUv;                // occlusion and emission
+    // The baker joins all maps of a kind into one. Where they are read: reflectance, and occlusion and
+    // emission.
+    UvMapping uv, glowUv;
+    // Their own, where they are not the first of their kind: moved to the common place while baking.
+    UvMapping baseColorUv, metallicRoughnessUv, emissiveUv;
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;

@@ -186,5 +186,12 @@ TEST_F(GltfUvs, WrongTransformsAreRefused)
     }
 }
 
+TEST_F(GltfUvs, TransformsBeyondFloatsAreRefused)
+{
+    uvs({0, 1e30f, 1e30f, 1, 1, 0, 0, 0});
+    material({{"baseColorTexture", texture(0, {{"scale", {1e30, 1e30}}})}});
+    expectRefused(gltf.writeGltf(folder), "out of range");
+}
+
 } // namespace
 } // namespace lumel::scene
