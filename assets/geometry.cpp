@@ -40,7 +40,7 @@ glm::vec3 tangentOf(glm::vec3 alongU, glm::vec3 alongUp, glm::vec3 normal)
 uint32_t Shape::add(glm::vec3 position, glm::vec3 normal, glm::vec3 tangent, glm::vec2 uv)
 {
     // No chart here is mirrored, so cross(N, T) is the map's up everywhere.
-    vertices.push_back({position, normal, glm::vec4(tangent, 1.0f), uv});
+    vertices.push_back({position, normal, glm::vec4(tangent, 1.0f), uv, uv, uv});
     return uint32_t(vertices.size() - 1);
 }
 

@@ -9,7 +9,7 @@ layout(push_constant, scalar) uniform Constants { DrawPush push; };
 layout(location = 0) in vec3 positionInWorld;
 layout(location = 1) in vec3 normalInWorld;
 layout(location = 2) in vec4 tangentInWorld;
-layout(location = 3) in vec2 uv;
+layout(location = 4) in vec4 uv; // of the reflectance (xy) and of glow (zw)
 layout(location = 0) out vec4 colour;
 
 void main()
@@ -17,11 +17,11 @@ void main()
     ObjectAt object = objectAt(push.object);
     float level = push.level;
     if (level < 0.0)
-        level = max(footprintOf(dFdx(uv), dFdy(uv), vec2(textureSize(mapNormal, 0)), 1.0).level, 0.0);
-    float opacity = sampleBeside(mapOpacity, uv, level).x;
+        level = max(footprintOf(dFdx(uv.xy), dFdy(uv.xy), vec2(textureSize(mapNormal, 0)), 1.0).level, 0.0);
+    float opacity = sampleBeside(mapOpacity, uv.xy, level).x;
     if ((object.at.flags & kObjectMask) != 0u && opacity < object.at.alphaCutoff)
         discard;
-    MaterialTexel material = sampleMaterial(uv, level);
+    MaterialTexel material = sampleMaterial(object, uv, level);
     ShadingPoint point = shadingPoint(object, material, positionInWorld, normalInWorld, tangentInWorld);
     vec3 radiance = point.radiance;
     for (uint i = 0u; i < view.lightCount; ++i)

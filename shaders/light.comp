@@ -5,6 +5,7 @@
 // Light pass: a group lights one 8x8 tile after another of its job's list, an invocation a lumel. The texel map
 // says which triangle a lumel lies on; gutter lumels extend the nearest triangle, so that filter taps across a
 // chart's border meet a smooth continuation.
+#include "lib/footprint.glsl"
 #include "lib/geometry.glsl"
 #include "lib/surface.glsl"
 #include "lib/tiles.glsl"
@@ -12,6 +13,30 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { LightPush push; };
 layout(set = 2, binding = 0, rgba16f) uniform image2DArray lit;
+
+// Where the lumel with barycentric coordinates w reads the material (xy reflectance, zw glow), and at which level.
+struct MaterialPlace {
+    vec4 uv;
+    float level;
+};
+MaterialPlace materialPlace(ObjectAt object, Vertex a, Vertex b, Vertex c, vec3 w, uint level, uvec2 size, vec2 uv)
+{
+    // Where lumels coincide with the material's texels, their centres do: no filtering. Finer lumels magnify its
+    // level 0.
+    MaterialPlace same = MaterialPlace(vec4(uv, uv), max(float(level) + object.at.materialLevelOffset, 0.0));
+    // Else the lumel's parallelogram in material UVs, up to twice as long as wide, is what its texel is to cover;
+    // both are linear over the triangle.
+    vec2 alongB = (b.uv - a.uv) * vec2(size), alongC = (c.uv - a.uv) * vec2(size); // lumels
+    float area = alongB.x * alongC.y - alongB.y * alongC.x;
+    float inverseArea = abs(area) > 1e-20 ? 1.0 / area : 0.0;
+    vec2 toB = b.materialUv - a.materialUv, toC = c.materialUv - a.materialUv;
+    vec2 dx = (toB * alongC.y - toC * alongB.y) * inverseArea, dy = (toC * alongB.x - toB * alongC.x) * inverseArea;
+    float own = footprintOf(dx, dy, vec2(textureSize(mapNormal, 0)), 2.0).level;
+    vec4 place = vec4(w.x * a.materialUv + w.y * b.materialUv + w.z * c.materialUv,
+                      w.x * a.glowUv + w.y * b.glowUv + w.z * c.glowUv);
+    bool differ = (object.at.flags & kObjectOwnMaterialUv) != 0u;
+    return MaterialPlace(differ ? place : same.uv, differ ? max(own, 0.0) : same.level);
+}
 
 // The lumel's point on the surface; uv is its centre's.
 ShadingPoint pointOf(ObjectAt object, uint level, uvec2 lumel, uvec2 size, uint triangle)
@@ -24,9 +49,8 @@ ShadingPoint pointOf(ObjectAt object, uint level, uvec2 lumel, uvec2 size, uint 
     vec3 position = w.x * a.position + w.y * b.position + w.z * c.position;
     vec3 normal = w.x * a.normal + w.y * b.normal + w.z * c.normal;
     vec3 tangent = w.x * a.tangent.xyz + w.y * b.tangent.xyz + w.z * c.tangent.xyz;
-    // Where lumels coincide with the material's texels, their centres do: no filtering. Finer lumels magnify its
-    // level 0.
-    MaterialTexel material = sampleMaterial(uv, max(float(level) + object.at.materialLevelOffset, 0.0));
+    MaterialPlace place = materialPlace(object, a, b, c, w, level, size, uv);
+    MaterialTexel material = sampleMaterial(object, place.uv, place.level);
     return shadingPoint(object, material, (object.at.worldFromObject * vec4(position, 1.0)).xyz,
                         object.at.worldFromObjectNormal * normal,
                         vec4(mat3(object.at.worldFromObject) * tangent, a.tangent.w));

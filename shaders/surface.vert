@@ -8,6 +8,7 @@ layout(location = 0) out vec3 positionInWorld;
 layout(location = 1) out vec3 normalInWorld;
 layout(location = 2) out vec4 tangentInWorld;
 layout(location = 3) out vec2 uv;
+layout(location = 4) out vec4 materialUv; // of the reflectance (xy) and of glow (zw)
 layout(location = 5) out vec2 uvCovered;
 
 void main()
@@ -19,5 +20,6 @@ void main()
     normalInWorld = object.at.worldFromObjectNormal * vertex.normal;
     tangentInWorld = vec4(mat3(object.at.worldFromObject) * vertex.tangent.xyz, vertex.tangent.w);
     uv = uvCovered = vertex.uv;
+    materialUv = vec4(vertex.materialUv, vertex.glowUv);
     gl_Position = view.clipFromWorld * world;
 }

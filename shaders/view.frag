@@ -9,6 +9,7 @@ layout(push_constant, scalar) uniform Constants { ViewPush push; };
 layout(location = 0) in vec3 positionInWorld;
 layout(location = 1) in vec3 normalInWorld;
 layout(location = 3) in vec2 uv;
+layout(location = 4) in vec4 materialUv;
 layout(location = 0) out vec4 colour;
 
 // 0 to 1 as blue, green, yellow, red.
@@ -61,9 +62,9 @@ vec3 lobeView(MaterialTexel material)
 void main()
 {
     ObjectAt object = objectAt(push.draw.object);
-    Footprint material = footprintOf(dFdx(uv), dFdy(uv), vec2(textureSize(mapNormal, 0)), 1.0);
+    Footprint material = footprintOf(dFdx(materialUv.xy), dFdy(materialUv.xy), vec2(textureSize(mapNormal, 0)), 1.0);
     Footprint lit = footprintOf(dFdx(uv), dFdy(uv), vec2(object.at.litSize), view.anisotropy);
-    MaterialTexel texel = sampleMaterial(uv, max(material.level, 0.0));
+    MaterialTexel texel = sampleMaterial(object, materialUv, max(material.level, 0.0));
     bool inTextureSpace = object.at.mips > 0u;
     vec3 shown = vec3(0.0);
     if (push.kind == kViewMode) // green: texture space, red: forward
@@ -79,7 +80,7 @@ void main()
     else if (push.kind == kViewSpecular)
         shown = texel.specular;
     else if (push.kind == kViewError)
-        shown = heat(textureLod(mapDiffuse, uv, max(material.level, 0.0)).w / 0.25);
+        shown = heat(textureLod(mapDiffuse, materialUv.xy, max(material.level, 0.0)).w / 0.25);
     else if (push.kind == kViewPower || push.kind == kViewAnisotropy)
         shown = lobeView(texel);
     else

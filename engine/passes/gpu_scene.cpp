@@ -46,6 +46,33 @@ gpu::Image uploadChain(const gpu::Device& device, const std::vector<Image>& chai
                                 name);
 }
 
+// By scene::Wrap.
+constexpr std::array kAddressModes = {vk::SamplerAddressMode::eRepeat,
+                                      vk::SamplerAddressMode::eMirroredRepeat,
+                                      vk::SamplerAddressMode::eClampToEdge};
+
+bool readsMaterialAtLitUvs(const scene::Mesh& mesh)
+{
+    return std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                       [](const shared::Vertex& v) { return v.materialUv == v.uv && v.glowUv == v.uv; });
+}
+
+// log2 of how much longer glow UVs are than the others; 0 where they are the same or nothing is known.
+float glowLevelOffset(const scene::Mesh& mesh)
+{
+    double glow = 0.0, own = 0.0; // twice the areas
+    const auto area = [](glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
+        return std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
+    };
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const auto &a = mesh.vertices[mesh.indices[i]], &b = mesh.vertices[mesh.indices[i + 1]],
+                   &c = mesh.vertices[mesh.indices[i + 2]];
+        glow += area(a.glowUv, b.glowUv, c.glowUv);
+        own += area(a.materialUv, b.materialUv, c.materialUv);
+    }
+    return glow > 0.0 && own > 0.0 ? float(0.5 * std::log2(glow / own)) : 0.0f;
+}
+
 shared::Light packLight(const scene::Light& light)
 {
     shared::Light packed{};
@@ -68,20 +95,23 @@ GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
     : frameLayout_(gpu::makeSetLayout(
           device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer})),
       materialLayout_(gpu::makeSetLayout(
-          device, std::vector<vk::DescriptorType>(5, vk::DescriptorType::eCombinedImageSampler))),
-      sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
-                                 .minFilter = vk::Filter::eLinear,
-                                 .mipmapMode = vk::SamplerMipmapMode::eLinear,
-                                 .addressModeU = vk::SamplerAddressMode::eRepeat,
-                                 .addressModeV = vk::SamplerAddressMode::eRepeat,
-                                 .maxLod = VK_LOD_CLAMP_NONE})
+          device, std::vector<vk::DescriptorType>(5, vk::DescriptorType::eCombinedImageSampler)))
 {
+    for (const auto v : kAddressModes)
+        for (const auto u : kAddressModes)
+            samplers_.emplace_back(device.handle(),
+                                   vk::SamplerCreateInfo{.magFilter = vk::Filter::eLinear,
+                                                         .minFilter = vk::Filter::eLinear,
+                                                         .mipmapMode = vk::SamplerMipmapMode::eLinear,
+                                                         .addressModeU = u,
+                                                         .addressModeV = v,
+                                                         .maxLod = VK_LOD_CLAMP_NONE});
     for (const scene::Mesh& mesh : scene.meshes)
         meshes_.push_back({gpu::uploadBuffer(device, mesh.vertices, mesh.name + " vertices"),
                            gpu::uploadBuffer(device, mesh.indices, mesh.name + " indices")});
     materials_.reserve(materials.size()); // sets point into it
     for (size_t i = 0; i < materials.size(); ++i)
-        uploadMaterial(device, materials[i], scene.materials[i].name);
+        uploadMaterial(device, materials[i], scene.materials[i]);
     makeFrameSet(device);
     lightScene(scene);
     for (const scene::Object& object : scene.objects)
@@ -91,9 +121,10 @@ GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
 }
 
 void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMaterial& baked,
-                              const std::string& name)
+                              const scene::Material& source)
 {
     using enum baker::Channel;
+    const std::string& name = source.name;
     const auto& mips = baked.reflectance;
     const auto width = uint32_t(mips.levels.front().width), height = uint32_t(mips.levels.front().height);
     const auto upload = [&](std::array<baker::Channel, 4> channels, const char* what) {
@@ -110,7 +141,8 @@ void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMater
     uint32_t binding = 0;
     for (const gpu::Image* image :
          {&material.normal, &material.specular, &material.diffuse, &material.glow, &material.opacity})
-        gpu::writeSampled(device, *material.set, binding++, *sampler_, image->view());
+        gpu::writeSampled(device, *material.set, binding++,
+                          samplerOf(image == &material.glow ? source.glowUv : source.uv), image->view());
     materials_.push_back(std::move(material));
 }
 
@@ -195,9 +227,14 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     data = {};
     data.vertices = meshes_[size_t(object.mesh)].vertices.address();
     data.indices = meshes_[size_t(object.mesh)].indices.address();
-    data.litSize = tsl::lumelGrid(int(gpuMaterial.size.x), int(gpuMaterial.size.y));
+    const bool same = readsMaterialAtLitUvs(mesh);
+    const int width = int(gpuMaterial.size.x), height = int(gpuMaterial.size.y);
+    data.litSize = same ? tsl::lumelGrid(width, height) : tsl::lumelGrid(mesh, width, height);
     data.materialLevelOffset = std::log2(float(gpuMaterial.size.x) / float(data.litSize.x));
+    data.glowLevelOffset = same ? 0.0f : glowLevelOffset(mesh);
     data.flags = material.doubleSided ? shared::kObjectDoubleSided : 0u;
+    if (!same)
+        data.flags |= shared::kObjectOwnMaterialUv;
     data.alphaCutoff = material.alphaCutoff;
     if (material.alphaMode == scene::AlphaMode::mask)
         data.flags |= shared::kObjectMask;

@@ -76,7 +76,11 @@ private:
         gpu::Buffer vertices, indices;
     };
     void uploadMaterial(const gpu::Device& device, const scene::BakedMaterial& baked,
-                        const std::string& name);
+                        const scene::Material& material);
+    vk::Sampler samplerOf(const scene::UvMapping& uv) const
+    {
+        return *samplers_[size_t(uv.wrapU) + 3 * size_t(uv.wrapV)];
+    }
     void makeFrameSet(const gpu::Device& device);
     void lightScene(const scene::Scene& scene);
     void addObject(const gpu::Device& device, const scene::Scene& scene, const scene::Object& object);
@@ -85,7 +89,7 @@ private:
 
     gpu::SetLayout frameLayout_, materialLayout_;
     vk::raii::DescriptorSet frameSet_ = nullptr;
-    vk::raii::Sampler sampler_;
+    std::vector<vk::raii::Sampler> samplers_; // by wrapU + 3 wrapV
     std::vector<GpuMesh> meshes_;
     std::vector<GpuMaterial> materials_;
     std::map<std::tuple<int, uint32_t, uint32_t>, std::unique_ptr<GpuTexelMap>> texelMaps_;

@@ -61,6 +61,16 @@ std::string BakeCache::key(const Material& m) const
           m.heightImage, m.specularImage, m.specularColorImage, m.anisotropyImage})
         hash.add(image < 0 ? std::string("none") : imageHashes_[size_t(image)]);
     hash.addValue(m.specularGlossiness).addValue(m.unlit);
+    if (m.uv.wrapU != Wrap::repeat || m.uv.wrapV != Wrap::repeat)
+        hash.add(std::string("clamp"));
+    for (const auto& [own, common] : {std::pair(m.baseColorUv, m.uv), std::pair(m.metallicRoughnessUv, m.uv),
+                                      std::pair(m.emissiveUv, m.glowUv)})
+        if (own != common)
+            hash.addValue(own.set == common.set)
+                .addValue(own.matrix())
+                .addValue(common.matrix())
+                .addValue(own.wrapU)
+                .addValue(own.wrapV);
     return hash.hex();
 }
 

@@ -1,5 +1,6 @@
 // loadGltf(): document, JSON, materials, nodes. Each step is a file of its own, gltf_*.cpp.
 #include "gltf_reader.h"
+#include "lit_uvs.h"
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
@@ -51,7 +52,8 @@ void logUnlit(const Scene& scene)
     size_t count = 0;
     for (const Object& object : scene.objects) {
         const std::string& problem = scene.meshes[size_t(object.mesh)].uvProblem;
-        if (!problem.empty() && ++count <= kMaxLines)
+        const bool blended = scene.materials[size_t(object.material)].alphaMode != AlphaMode::opaque;
+        if (!problem.empty() && !blended && ++count <= kMaxLines)
             spdlog::info("{}: '{}' is drawn forward: {}", scene.file.string(), object.name, problem);
     }
     if (count > kMaxLines)
@@ -70,6 +72,7 @@ Scene readScene(Reader& reader, const std::filesystem::path& file)
         reader.fail("no triangles in its default scene", "export a mesh");
     if (!reader.document.ignored.empty())
         spdlog::info("{}: ignored: {}", reader.document.file, fmt::join(reader.document.ignored, ", "));
+    unwrapMeshes(scene);
     logUnlit(scene);
     return scene;
 }

@@ -17,19 +17,14 @@ namespace {
 using Json = nlohmann::json;
 
 // KHR_texture_basisu is among them although nothing decodes it: such textures become neutral.
-constexpr std::array kSupportedExtensions = {"KHR_lights_punctual",
-                                             "KHR_materials_emissive_strength",
-                                             "KHR_materials_ior",
-                                             "KHR_materials_specular",
-                                             "KHR_materials_anisotropy",
-                                             "KHR_materials_unlit",
-                                             "KHR_mesh_quantization",
-                                             "KHR_materials_pbrSpecularGlossiness",
-                                             "KHR_draco_mesh_compression",
-                                             "KHR_texture_basisu",
-                                             "EXT_meshopt_compression",
-                                             "EXT_mesh_gpu_instancing",
-                                             "EXT_texture_webp"};
+constexpr std::array kSupportedExtensions = {
+    "KHR_lights_punctual",        "KHR_materials_emissive_strength",
+    "KHR_materials_ior",          "KHR_materials_specular",
+    "KHR_materials_anisotropy",   "KHR_materials_unlit",
+    "KHR_mesh_quantization",      "KHR_materials_pbrSpecularGlossiness",
+    "KHR_draco_mesh_compression", "KHR_texture_basisu",
+    "EXT_meshopt_compression",    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",           "KHR_texture_transform"};
 
 bool supported(const std::string& extension)
 {

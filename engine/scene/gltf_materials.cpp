@@ -15,6 +15,7 @@ public:
     {
         adoptSpecularGlossiness();
         adoptUnlit();
+        chooseUvs();
         const auto& pbr = in_.pbrMetallicRoughness;
         for (int c = 0; c < 4 && pbr.baseColorFactor.size() == 4; ++c)
             out_.baseColor[c] = factor(pbr.baseColorFactor[size_t(c)], 1.0f, "baseColorFactor");
@@ -53,11 +54,87 @@ private:
     template<class TextureInfo>
     int image(const TextureInfo& info, const char* what) const
     {
-        if (info.index < 0)
-            return -1;
-        if (info.texCoord != 0)
+        return info.index < 0 ? -1 : imageOfTexture(info.index, what);
+    }
+
+    // Of each kind the first map that there is sets where all of them are read.
+    void chooseUvs()
+    {
+        const auto& pbr = in_.pbrMetallicRoughness;
+        const auto normal = mapping(in_.normalTexture), base = mapping(pbr.baseColorTexture),
+                   metal = mapping(pbr.metallicRoughnessTexture), occlusion = mapping(in_.occlusionTexture),
+                   emissive = mapping(in_.emissiveTexture);
+        out_.uv = normal ? *normal : base ? *base : metal.value_or(UvMapping{});
+        out_.glowUv = occlusion ? *occlusion : emissive.value_or(out_.uv);
+        out_.baseColorUv = base.value_or(out_.uv);
+        out_.metallicRoughnessUv = metal.value_or(out_.uv);
+        out_.emissiveUv = emissive.value_or(out_.glowUv);
+        sayUnlike(out_.uv, out_.baseColorUv, "baseColorTexture");
+        sayUnlike(out_.uv, out_.metallicRoughnessUv, "metallicRoughnessTexture");
+        sayUnlike(out_.glowUv, out_.emissiveUv, "emissiveTexture");
+    }
+
+    // Another UV set or wrap mode cannot be baked into one map with the others; a transform can, but beyond
+    // [0, 1] only if both repeat together.
+    void sayUnlike(const UvMapping& common, const UvMapping& own, const char* what) const
+    {
+        bool alike = own.set == common.set && own.wrapU == common.wrapU && own.wrapV == common.wrapV;
+        const auto relative = mappingBetween(common, own);
+        for (int i = 0; i < 4 && alike; ++i) {
+            const float entry = relative ? (*relative)[i / 2][i % 2] : 0.5f;
+            alike = std::abs(entry - std::round(entry)) < 1e-3f;
+        }
+        if (!alike)
+            reader_.document.ignored.insert(
+                fmt::format("texture coordinates of {} unlike those of the material's other maps", what));
+    }
+
+    static Wrap wrapOf(int mode)
+    {
+        return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Wrap::clamp
+               : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::mirror
+                                                               : Wrap::repeat;
+    }
+
+    // Nothing where there is no texture.
+    template<class TextureInfo>
+    std::optional<UvMapping> mapping(const TextureInfo& info) const
+    {
+        if (info.index < 0 || size_t(info.index) >= reader_.model.textures.size())
+            return std::nullopt;
+        UvMapping m;
+        m.set = info.texCoord;
+        const int sampler = reader_.model.textures[size_t(info.index)].sampler;
+        if (sampler >= 0 && size_t(sampler) < reader_.model.samplers.size()) {
+            m.wrapU = wrapOf(reader_.model.samplers[size_t(sampler)].wrapS);
+            m.wrapV = wrapOf(reader_.model.samplers[size_t(sampler)].wrapT);
+        }
+        const auto found = info.extensions.find("KHR_texture_transform");
+        if (found != info.extensions.end() && found->second.IsObject()) {
+            const tinygltf::Value& transform = found->second;
+            m.offset = pair(transform, "offset", m.offset);
+            m.scale = pair(transform, "scale", m.scale);
+            if (transform.Has("rotation"))
+                m.rotation = number(transform.Get("rotation"), "KHR_texture_transform.rotation");
+            if (transform.Has("texCoord"))
+                m.set = int(number(transform.Get("texCoord"), "KHR_texture_transform.texCoord"));
+        }
+        if (m.set != 0 && m.set != 1) {
             reader_.document.ignored.insert("further UV sets");
-        return imageOfTexture(info.index, what);
+            m.set = 0;
+        }
+        return m;
+    }
+
+    glm::vec2 pair(const tinygltf::Value& transform, const char* name, glm::vec2 usual) const
+    {
+        if (!transform.Has(name))
+            return usual;
+        const tinygltf::Value& value = transform.Get(name);
+        if (!value.IsArray() || value.ArrayLen() != 2)
+            reader_.fail(fmt::format("material '{}': KHR_texture_transform.{} is not a pair of numbers",
+                                     out_.name, name));
+        return {number(value.Get(0), name), number(value.Get(1), name)};
     }
 
     // An extension's members, empty when the material lacks it.

@@ -1,7 +1,8 @@
 // glTF meshes to triangle lists with complete vertices.
 #include "gltf_reader.h"
-#include "uv_check.h"
+#include "lit_uvs.h"
 #include "vertex_frames.h"
+#include <bit>
 #include <numeric>
 
 namespace lumel::scene {
@@ -62,8 +63,19 @@ void dropUnused(Mesh& mesh)
 }
 
 struct Attributes {
-    int position, normal, tangent, uv;
+    int position, normal, tangent;
+    std::array<int, 2> uv; // TEXCOORD_0 and _1
 };
+
+Attributes attributesOf(const tinygltf::Primitive& primitive)
+{
+    return {attribute(primitive, "POSITION"),
+            attribute(primitive, "NORMAL"),
+            attribute(primitive, "TANGENT"),
+            {attribute(primitive, "TEXCOORD_0"), attribute(primitive, "TEXCOORD_1")}};
+}
+
+using UvSets = std::array<std::vector<glm::vec2>, 2>; // empty where the file has none
 
 std::vector<float> readAttribute(const Reader& reader, int accessor, int components, Storage storage,
                                  const char* what, size_t vertexCount)
@@ -85,7 +97,6 @@ void readVertices(Reader& reader, const Attributes& use, Mesh& mesh)
     const auto positions = readAttribute(reader, use.position, 3, Storage::floatOnly, "POSITION", count);
     const auto normals = readAttribute(reader, use.normal, 3, Storage::floatOnly, "NORMAL", count);
     const auto tangents = readAttribute(reader, use.tangent, 4, Storage::floatOnly, "TANGENT", count);
-    const auto uvs = readAttribute(reader, use.uv, 2, Storage::floatOrUnorm, "TEXCOORD_0", count);
     mesh.vertices.assign(count, Vertex{});
     for (size_t i = 0; i < count; ++i) {
         Vertex& v = mesh.vertices[i];
@@ -94,8 +105,35 @@ void readVertices(Reader& reader, const Attributes& use, Mesh& mesh)
             v.normal = {normals[3 * i], normals[3 * i + 1], normals[3 * i + 2]};
         if (!tangents.empty())
             v.tangent = {tangents[4 * i], tangents[4 * i + 1], tangents[4 * i + 2], tangents[4 * i + 3]};
-        if (!uvs.empty())
-            v.uv = {uvs[2 * i], uvs[2 * i + 1]};
+    }
+}
+
+UvSets readUvSets(const Reader& reader, const Attributes& use, size_t vertexCount)
+{
+    UvSets sets;
+    for (size_t s = 0; s < sets.size(); ++s) {
+        const auto values = readAttribute(reader, use.uv[s], 2, Storage::floatOrUnorm,
+                                          s == 0 ? "TEXCOORD_0" : "TEXCOORD_1", vertexCount);
+        for (size_t i = 0; i + 1 < values.size(); i += 2)
+            sets[s].emplace_back(values[i], values[i + 1]);
+    }
+    return sets;
+}
+
+// Where the material reads its maps.
+void setMaterialUvs(const Reader& reader, const UvSets& sets, const Material& material, Mesh& mesh)
+{
+    const auto& own = sets[size_t(material.uv.set)];
+    const auto& glow = sets[size_t(material.glowUv.set)];
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+        if (!own.empty())
+            mesh.vertices[i].materialUv = material.uv(own[i]);
+        if (!glow.empty())
+            mesh.vertices[i].glowUv = material.glowUv(glow[i]);
+        const glm::vec4 all(mesh.vertices[i].materialUv, mesh.vertices[i].glowUv);
+        if (!std::isfinite(all.x + all.y + all.z + all.w))
+            reader.fail(
+                fmt::format("mesh '{}': its material's KHR_texture_transform is out of range", mesh.name));
     }
 }
 
@@ -113,7 +151,7 @@ void readTriangles(Reader& reader, const tinygltf::Primitive& primitive, Mesh& m
     mesh.indices = triangleList(indices, primitive.mode);
 }
 
-void completeFrames(const Attributes& use, Mesh& mesh)
+void completeFrames(const Attributes& use, bool hasMaterialUvs, Mesh& mesh)
 {
     if (use.normal < 0)
         makeFlatNormals(mesh);
@@ -121,7 +159,7 @@ void completeFrames(const Attributes& use, Mesh& mesh)
         repairNormals(mesh);
     if (use.tangent >= 0 && use.normal >= 0) // without normals the file's tangents count for nothing
         repairTangents(mesh);
-    else if (use.uv >= 0)
+    else if (hasMaterialUvs)
         makeTangents(mesh);
     else
         makeArbitraryTangents(mesh);
@@ -132,7 +170,7 @@ void noteUndrawn(Reader& reader, const tinygltf::Primitive& primitive)
     auto& ignored = reader.document.ignored;
     if (primitive.attributes.contains("COLOR_0"))
         ignored.insert("vertex colours");
-    if (primitive.attributes.contains("TEXCOORD_1"))
+    if (primitive.attributes.contains("TEXCOORD_2"))
         ignored.insert("further UV sets");
     if (!primitive.targets.empty())
         ignored.insert("morph targets");
@@ -141,15 +179,15 @@ void noteUndrawn(Reader& reader, const tinygltf::Primitive& primitive)
 }
 
 // Index into scene.meshes, or -1 when there is nothing to draw.
-int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const std::string& name, Scene& scene)
+int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const Material& material,
+             const std::string& name, Scene& scene)
 {
     noteUndrawn(reader, primitive);
     if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
         reader.fail(fmt::format("mesh '{}' has the unknown mode {}", name, primitive.mode));
     if (!isTriangles(primitive.mode))
         return -1;
-    const Attributes use = {attribute(primitive, "POSITION"), attribute(primitive, "NORMAL"),
-                            attribute(primitive, "TANGENT"), attribute(primitive, "TEXCOORD_0")};
+    const Attributes use = attributesOf(primitive);
     if (use.position < 0)
         reader.fail(fmt::format("mesh '{}' has no POSITION", name));
     Mesh mesh;
@@ -162,16 +200,31 @@ int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const std::st
                     "split the model");
     if (mesh.indices.empty())
         return -1;
+    const UvSets sets = readUvSets(reader, use, mesh.vertices.size());
+    setMaterialUvs(reader, sets, material, mesh);
+    chooseLitUvs(sets, mesh);
     dropUnused(mesh);
-    completeFrames(use, mesh);
+    completeFrames(use, !sets[size_t(material.uv.set)].empty(), mesh);
     for (const Vertex& v : mesh.vertices)
         mesh.bounds.add(v.position);
-    mesh.uvProblem = use.uv < 0 ? "no UVs" : findUvProblem(mesh);
     reader.sceneVertices += mesh.vertices.size();
     if (reader.sceneVertices > kMaxSceneVertices)
         reader.fail(fmt::format("more than {} vertices", kMaxSceneVertices), "split the model");
     scene.meshes.push_back(std::move(mesh));
     return int(scene.meshes.size()) - 1;
+}
+
+// Primitives that differ in nothing that a mesh is made of.
+std::vector<int> cacheKey(const tinygltf::Primitive& p, const Material& material)
+{
+    const Attributes use = attributesOf(p);
+    std::vector<int> key = {p.mode, p.indices, use.position, use.normal, use.tangent, use.uv[0], use.uv[1]};
+    for (const UvMapping& m : {material.uv, material.glowUv}) {
+        key.push_back(m.set);
+        for (float value : {m.offset.x, m.offset.y, m.scale.x, m.scale.y, m.rotation})
+            key.push_back(std::bit_cast<int>(value));
+    }
+    return key;
 }
 
 } // namespace
@@ -187,16 +240,12 @@ std::vector<Primitive> readMesh(Reader& reader, int index, Scene& scene, Primiti
         const tinygltf::Primitive& p = mesh.primitives[i];
         if (p.material < -1 || p.material >= int(reader.model.materials.size()))
             reader.fail(fmt::format("mesh '{}' names material {}, which does not exist", name, p.material));
-        const std::vector<int> key = {p.mode,
-                                      p.indices,
-                                      attribute(p, "POSITION"),
-                                      attribute(p, "NORMAL"),
-                                      attribute(p, "TANGENT"),
-                                      attribute(p, "TEXCOORD_0")};
-        const auto [entry, isNew] = cache.try_emplace(key, -1);
+        const Material material = p.material >= 0 ? scene.materials[size_t(p.material)] : Material{};
+        const auto [entry, isNew] = cache.try_emplace(cacheKey(p, material), -1);
         if (isNew)
-            entry->second = makeMesh(
-                reader, p, mesh.primitives.size() == 1 ? name : fmt::format("{}#{}", name, i), scene);
+            entry->second =
+                makeMesh(reader, p, material,
+                         mesh.primitives.size() == 1 ? name : fmt::format("{}#{}", name, i), scene);
         if (entry->second >= 0)
             primitives.push_back({entry->second, p.material});
     }

@@ -7,6 +7,7 @@
 #include "baker/footprint.h"
 #include "core/error.h"
 #include <array>
+#include <deque>
 #include <fmt/format.h>
 #include <map>
 #include <optional>
@@ -65,10 +66,61 @@ Image resized(const Image& in, int width, int height)
     return out;
 }
 
+int wrapped(int i, int size, Wrap wrap)
+{
+    const auto modulo = [](int a, int n) { return (a % n + n) % n; };
+    if (wrap == Wrap::clamp)
+        return std::clamp(i, 0, size - 1);
+    if (wrap == Wrap::repeat)
+        return modulo(i, size);
+    const int twice = modulo(i, 2 * size);
+    return twice < size ? twice : 2 * size - 1 - twice;
+}
+
+// The image as it appears at coordinates `common`, where its own are `own`, both of one set; as fine as it
+// is.
+Image moved(const Image& in, const UvMapping& own, const UvMapping& common)
+{
+    constexpr float kMostTexels = 4096.0f;
+    const glm::mat3 relative = *mappingBetween(common, own);
+    const glm::vec2 inSize(in.width, in.height);
+    const auto texelsAlong = [&](glm::vec3 step) {
+        return int(std::clamp(std::ceil(glm::length(glm::vec2(step) * inSize) - 0.01f), 1.0f, kMostTexels));
+    };
+    Image out(texelsAlong(relative[0]), texelsAlong(relative[1]), in.channels);
+    for (int y = 0; y < out.height; ++y)
+        for (int x = 0; x < out.width; ++x) {
+            const glm::vec2 p = (glm::vec2(x, y) + 0.5f) / glm::vec2(out.width, out.height);
+            const glm::vec2 q = glm::clamp(glm::vec2(relative * glm::vec3(p, 1.0f)) * inSize - 0.5f,
+                                           glm::vec2(-1e9f), glm::vec2(1e9f));
+            const glm::ivec2 first(glm::floor(q));
+            const glm::vec2 f = q - glm::floor(q);
+            for (int corner = 0; corner < 4; ++corner) {
+                const int i = corner & 1, j = corner >> 1;
+                const float weight = (i ? f.x : 1.0f - f.x) * (j ? f.y : 1.0f - f.y);
+                const float* from = in.at(wrapped(first.x + i, in.width, own.wrapU),
+                                          wrapped(first.y + j, in.height, own.wrapV));
+                for (int c = 0; c < in.channels; ++c)
+                    out.at(x, y)[c] += weight * from[c];
+            }
+        }
+    return out;
+}
+
 // Images of one material, each decoded once: occlusion, roughness and metalness often share a file.
 class Decoder {
 public:
     explicit Decoder(const Scene& scene) : scene_(scene) {}
+
+    // The same at the coordinates that it shares with others.
+    const Image* get(int index, const UvMapping& own, const UvMapping& common)
+    {
+        const Image* image = get(index);
+        if (!image || own.set != common.set || own.matrix() == common.matrix() ||
+            !mappingBetween(common, own))
+            return image;
+        return &moved_.emplace_back(moved(*image, own, common));
+    }
 
     // Null for index -1.
     const Image* get(int index)
@@ -85,6 +137,7 @@ public:
 private:
     const Scene& scene_;
     std::map<int, Image> decoded_;
+    std::deque<Image> moved_;
 };
 
 // Images brought to the size of the largest one. Any may be null: constant.
@@ -157,7 +210,8 @@ float dielectricKs(float ior)
 // modelled.
 void setColours(const Material& m, Decoder& decoder, baker::Maps& maps)
 {
-    const SameSize<4> images({decoder.get(m.baseColorImage), decoder.get(m.metallicRoughnessImage),
+    const SameSize<4> images({decoder.get(m.baseColorImage, m.baseColorUv, m.uv),
+                              decoder.get(m.metallicRoughnessImage, m.metallicRoughnessUv, m.uv),
                               decoder.get(m.specularImage), decoder.get(m.specularColorImage)});
     Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
     const float ks = dielectricKs(m.ior);
@@ -180,7 +234,8 @@ void setColours(const Material& m, Decoder& decoder, baker::Maps& maps)
 // KHR_materials_pbrSpecularGlossiness, "BRDF": Kd = diffuse (1 - max(specular)).
 void setSpecularGlossinessColours(const Material& m, Decoder& decoder, baker::Maps& maps)
 {
-    const SameSize<2> images({decoder.get(m.baseColorImage), decoder.get(m.metallicRoughnessImage)});
+    const SameSize<2> images({decoder.get(m.baseColorImage, m.baseColorUv, m.uv),
+                              decoder.get(m.metallicRoughnessImage, m.metallicRoughnessUv, m.uv)});
     Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
     for (int y = 0; y < images.height; ++y)
         for (int x = 0; x < images.width; ++x) {
@@ -291,6 +346,8 @@ baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
 {
     Decoder decoder(scene);
     baker::Maps maps;
+    if (material.uv.wrapU != Wrap::repeat || material.uv.wrapV != Wrap::repeat)
+        maps.wrap = baker::Wrap::clamp;
     if (material.heightImage >= 0) {
         maps.height = *decoder.get(material.heightImage);
         maps.heightScale = material.heightScale;
@@ -309,7 +366,9 @@ baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
         setSpecularGlossinessColours(material, decoder, maps);
     else
         setColours(material, decoder, maps);
-    const auto roughness = setRoughness(material, decoder.get(material.metallicRoughnessImage), maps);
+    const auto roughness = setRoughness(
+        material, decoder.get(material.metallicRoughnessImage, material.metallicRoughnessUv, material.uv),
+        maps);
     setAnisotropy(material, decoder.get(material.anisotropyImage), roughness, maps);
     return maps;
 }
@@ -322,8 +381,9 @@ bool glowVaries(const Material& material)
 Image glowImage(const Scene& scene, const Material& material)
 {
     Decoder decoder(scene);
-    const SameSize<2> images({decoder.get(emits(material) ? material.emissiveImage : -1),
-                              decoder.get(occludes(material) ? material.occlusionImage : -1)});
+    const SameSize<2> images(
+        {decoder.get(emits(material) ? material.emissiveImage : -1, material.emissiveUv, material.glowUv),
+         decoder.get(occludes(material) ? material.occlusionImage : -1)});
     Image glow(images.width, images.height, 4);
     for (int y = 0; y < images.height; ++y)
         for (int x = 0; x < images.width; ++x) {
@@ -347,7 +407,7 @@ Image opacityImage(const Scene& scene, const Material& material)
     if (material.alphaMode == AlphaMode::opaque || material.baseColorImage < 0)
         return opacity;
     Decoder decoder(scene);
-    const Image& base = *decoder.get(material.baseColorImage);
+    const Image& base = *decoder.get(material.baseColorImage, material.baseColorUv, material.uv);
     if (base.channels != 2 && base.channels != 4) // grey or colour with alpha last
         return opacity;
     Image varying(base.width, base.height, 1);

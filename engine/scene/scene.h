@@ -11,7 +11,16 @@
 
 namespace lumel::scene {
 
-using shared::Vertex; // position, normal, tangent (w = handedness), uv; metres and glTF's frame
+using shared::Vertex; // metres and glTF's frame
+
+// How well a mesh was unwrapped, see unwrap.h. Shares are of the texture's area, gaps of its width.
+struct UnwrapReport {
+    uint32_t charts = 0;
+    float meanStretch = 1.0f, worstStretch = 1.0f;
+    float leastDensity = 1.0f, greatestDensity = 1.0f; // of the mean
+    float coveredShare = 0.0f;
+    float gap = 0.0f; // least distance between charts
+};
 
 // One glTF primitive (triangles).
 struct Mesh {
@@ -19,13 +28,33 @@ struct Mesh {
     std::vector<Vertex> vertices;
     std::vector<uint32_t> indices;
     Bounds bounds;
-    // Empty when each point of [0, 1]^2 belongs to at most one triangle, so that lumels are unique;
-    // else the reason: "UVs overlap by 7.5 %" (of the area they cover), "UVs leave [0, 1]", "no UVs",
-    // "UVs cover no area".
+    // Of the lit UVs (Vertex::uv). Empty when each point of [0, 1]^2 belongs to at most one triangle, so that
+    // lumels are unique; else the reason: "UVs overlap by 7.5 %" (of the area they cover), "UVs leave [0,
+    // 1]", "no UVs", "UVs cover no area".
     std::string uvProblem;
+    std::optional<UnwrapReport> unwrapped; // the lit UVs were made here
 };
 
 enum class AlphaMode { opaque, mask, blend };
+
+enum class Wrap { repeat, mirror, clamp };
+
+// Where a texture is read: a UV set of the mesh, transformed (KHR_texture_transform), and what lies beyond
+// [0, 1].
+struct UvMapping {
+    int set = 0; // TEXCOORD_0 or _1
+    glm::vec2 offset{0.0f}, scale{1.0f};
+    float rotation = 0.0f; // radians
+    Wrap wrapU = Wrap::repeat, wrapV = Wrap::repeat;
+
+    bool operator==(const UvMapping&) const = default;
+    glm::vec2 operator()(glm::vec2 uv) const;
+    glm::mat3 matrix() const; // the same, of (u, v, 1)
+};
+
+// Of coordinates that `from` gives to those that `to` gives, for mappings of one set. Nothing where `from`
+// has no inverse.
+std::optional<glm::mat3> mappingBetween(const UvMapping& from, const UvMapping& to);
 
 // Images are indices into Scene::images, -1 for none. Factors multiply images, as in glTF 2.0.
 struct Material {
@@ -55,6 +84,11 @@ struct Material {
     float anisotropyRotation = 0.0f; // radians from the tangent towards the bitangent
     int anisotropyImage = -1;        // linear, RG direction, B strength
     bool unlit = false;              // KHR_materials_unlit: only emits
+    // The baker joins all maps of a kind into one. Where they are read: reflectance, and occlusion and
+    // emission.
+    UvMapping uv, glowUv;
+    // Their own, where they are not the first of their kind: moved to the common place while baking.
+    UvMapping baseColorUv, metallicRoughnessUv, emissiveUv;
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;

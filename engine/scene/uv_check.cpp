@@ -3,7 +3,6 @@
 // which leaves what only it covers. The difference, summed up, is covered twice or more, exactly and
 // for any number of layers.
 #include "uv_check.h"
-#include <array>
 #include <fmt/format.h>
 #include <numeric>
 
@@ -42,28 +41,34 @@ double cross(Vec2 a, Vec2 b, Vec2 c)
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
+// Counter-clockwise; area 0 where it has no interior, and so nothing to overlap.
+Triangle makeTriangle(std::array<Vec2, 3> p)
+{
+    Triangle t{.p = p, .lower = {}, .upper = {}, .area = 0.0, .height = 0.0};
+    double twice = cross(p[0], p[1], p[2]);
+    if (twice < 0.0) {
+        std::swap(t.p[1], t.p[2]);
+        twice = -twice;
+    }
+    const double longest = std::max(
+        {glm::distance(t.p[0], t.p[1]), glm::distance(t.p[1], t.p[2]), glm::distance(t.p[2], t.p[0])});
+    t.area = 0.5 * twice;
+    t.height = twice > 0.0 ? twice / longest : 0.0;
+    t.lower = glm::min(t.p[0], glm::min(t.p[1], t.p[2]));
+    t.upper = glm::max(t.p[0], glm::max(t.p[1], t.p[2]));
+    return t;
+}
+
 std::vector<Triangle> trianglesOf(const Mesh& mesh)
 {
     std::vector<Triangle> triangles;
     triangles.reserve(mesh.indices.size() / 3);
     for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        Triangle t;
-        for (size_t c = 0; c < 3; ++c)
-            t.p[c] = Vec2(mesh.vertices[mesh.indices[i + c]].uv);
-        double twice = cross(t.p[0], t.p[1], t.p[2]);
-        if (twice < 0.0) {
-            std::swap(t.p[1], t.p[2]);
-            twice = -twice;
-        }
-        const double longest = std::max(
-            {glm::distance(t.p[0], t.p[1]), glm::distance(t.p[1], t.p[2]), glm::distance(t.p[2], t.p[0])});
-        if (twice == 0.0) // no interior, nothing to overlap
-            continue;
-        t.area = 0.5 * twice;
-        t.height = twice / longest;
-        t.lower = glm::min(t.p[0], glm::min(t.p[1], t.p[2]));
-        t.upper = glm::max(t.p[0], glm::max(t.p[1], t.p[2]));
-        triangles.push_back(t);
+        const Triangle t = makeTriangle({Vec2(mesh.vertices[mesh.indices[i]].uv),
+                                         Vec2(mesh.vertices[mesh.indices[i + 1]].uv),
+                                         Vec2(mesh.vertices[mesh.indices[i + 2]].uv)});
+        if (t.area > 0.0)
+            triangles.push_back(t);
     }
     return triangles;
 }
@@ -243,6 +248,24 @@ private:
 };
 
 } // namespace
+
+bool anyOverlap(std::span<const FlatTriangle> flat)
+{
+    std::vector<Triangle> triangles;
+    triangles.reserve(flat.size());
+    for (const FlatTriangle& corners : flat)
+        if (const Triangle t = makeTriangle(corners); t.area > 0.0)
+            triangles.push_back(t);
+    BoxTree tree(triangles);
+    bool found = false;
+    for (int i = 0; i < int(triangles.size()) && !found; ++i) {
+        const Triangle& t = triangles[size_t(i)];
+        tree.query(t.lower, t.upper, [&](int other) {
+            found = found || (other > i && interiorsMeet(t, triangles[size_t(other)]));
+        });
+    }
+    return found;
+}
 
 UvOverlap findUvOverlap(const Mesh& mesh)
 {

@@ -1,6 +1,8 @@
 // Are a mesh's UVs fit to be lit: does each point of [0, 1]^2 belong to at most one triangle?
 #pragma once
 #include "scene.h"
+#include <array>
+#include <span>
 
 namespace lumel::scene {
 
@@ -15,5 +17,10 @@ struct UvOverlap {
     double share() const { return covered > 0.0 ? repeated / covered : 0.0; }
 };
 UvOverlap findUvOverlap(const Mesh& mesh);
+
+// Do the interiors of any two of these triangles meet, beyond what rounding does to touching ones?
+// Coordinates about 1 in size; ends at the first such pair.
+using FlatTriangle = std::array<glm::dvec2, 3>;
+bool anyOverlap(std::span<const FlatTriangle> triangles);
 
 } // namespace lumel::scene

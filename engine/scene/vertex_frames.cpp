@@ -65,8 +65,8 @@ std::vector<uint32_t> weld(const std::vector<Vertex>& vertices)
     std::vector<uint32_t> ids;
     ids.reserve(vertices.size());
     for (const Vertex& v : vertices) {
-        WeldKey key = {v.position.x, v.position.y, v.position.z, v.normal.x,
-                       v.normal.y,   v.normal.z,   v.uv.x,       v.uv.y};
+        WeldKey key = {v.position.x, v.position.y, v.position.z,   v.normal.x,
+                       v.normal.y,   v.normal.z,   v.materialUv.x, v.materialUv.y};
         for (float& value : key)
             value += 0.0f; // -0 becomes +0
         ids.push_back(seen.try_emplace(key, uint32_t(seen.size())).first->second);
@@ -84,8 +84,9 @@ TriangleTangent triangleTangent(const Vertex& a, const Vertex& b, const Vertex& 
 {
     const glm::dvec3 d1 = glm::dvec3(b.position) - glm::dvec3(a.position);
     const glm::dvec3 d2 = glm::dvec3(c.position) - glm::dvec3(a.position);
-    const double u1 = double(b.uv.x) - a.uv.x, v1 = double(a.uv.y) - b.uv.y; // v upwards
-    const double u2 = double(c.uv.x) - a.uv.x, v2 = double(a.uv.y) - c.uv.y;
+    const double u1 = double(b.materialUv.x) - a.materialUv.x,
+                 v1 = double(a.materialUv.y) - b.materialUv.y; // v upwards
+    const double u2 = double(c.materialUv.x) - a.materialUv.x, v2 = double(a.materialUv.y) - c.materialUv.y;
     const double area = u1 * v2 - u2 * v1;
     const glm::dvec3 alongU = v2 * d1 - v1 * d2;
     TriangleTangent result;

@@ -12,6 +12,7 @@ using shared::kTexelCoverageShift;
 using shared::kTexelTriangleMask;
 
 constexpr uint32_t kBandRows = 64; // rows that one task works on
+constexpr double kChartGap = 4.0;  // lumels: the taps of a cubic filter reach 2 across either chart's border
 
 // Writes `value` to every lumel of rows [row0, row1) whose centre lies in the triangle. Edge functions in
 // double: lumel coordinates reach 8192 and products of differences need more than float's 24 bits.
@@ -58,6 +59,30 @@ void rasteriseLevel(const scene::Mesh& mesh, glm::uvec2 size, uint32_t* texels)
                 rasterise(corners, uint32_t(i / 3 + 1), size, row0, row1, texels);
         }
     });
+}
+
+// A chart so small that it lies between lumel centres would stay dark: its triangles take the lumel that
+// their centre lies in, where no surface is near.
+void placeStrays(const scene::Mesh& mesh, glm::uvec2 size, uint32_t* texels)
+{
+    const glm::ivec2 last = glm::ivec2(size) - 1;
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        std::array<glm::dvec2, 3> p;
+        for (size_t k = 0; k < 3; ++k)
+            p[k] = glm::dvec2(mesh.vertices[mesh.indices[i + k]].uv) * glm::dvec2(size);
+        const glm::dvec2 ab = p[1] - p[0], ac = p[2] - p[0];
+        const double area = std::abs(ab.x * ac.y - ab.y * ac.x);
+        // Larger ones than this have a centre inside unless they are slivers.
+        if (area == 0.0 || std::max({glm::length(ab), glm::length(ac), glm::length(ab - ac)}) > 4.0)
+            continue;
+        const glm::ivec2 at = glm::clamp(glm::ivec2((p[0] + p[1] + p[2]) / 3.0), glm::ivec2(0), last);
+        bool alone = true;
+        for (int y = std::max(at.y - 1, 0); y <= std::min(at.y + 1, last.y); ++y)
+            for (int x = std::max(at.x - 1, 0); x <= std::min(at.x + 1, last.x); ++x)
+                alone = alone && texels[size_t(y) * size.x + size_t(x)] == 0;
+        if (alone)
+            texels[size_t(at.y) * size.x + size_t(at.x)] = uint32_t(i / 3 + 1);
+    }
 }
 
 // Coverage of a coarser level is the mean of its children's; a lumel whose own centre misses every chart
@@ -130,6 +155,7 @@ TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size)
         const glm::uvec2 levelSize = map.levelSize(level);
         rasteriseLevel(mesh, levelSize, texels);
         if (level == 0) {
+            placeStrays(mesh, levelSize, texels);
             for (size_t i = 0; i < size_t(levelSize.x) * levelSize.y; ++i)
                 if (texels[i])
                     texels[i] |= 255u << kTexelCoverageShift;
@@ -152,6 +178,25 @@ glm::uvec2 lumelGrid(int materialWidth, int materialHeight)
         return std::clamp(2u * std::bit_ceil(uint32_t(std::max(texels, 1))), kMinGrid, kMaxGrid);
     };
     return {grid(materialWidth), grid(materialHeight)};
+}
+
+glm::uvec2 lumelGrid(const scene::Mesh& mesh, int materialWidth, int materialHeight)
+{
+    double texels = 0.0, lit = 0.0; // areas: of the material in texels, of the lit texture
+    const auto area = [](glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
+        return 0.5 * std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
+    };
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const auto &a = mesh.vertices[mesh.indices[i]], &b = mesh.vertices[mesh.indices[i + 1]],
+                   &c = mesh.vertices[mesh.indices[i + 2]];
+        texels += area(a.materialUv, b.materialUv, c.materialUv) * materialWidth * materialHeight;
+        lit += area(a.uv, b.uv, c.uv);
+    }
+    const double across = lit > 0.0 ? 2.0 * std::sqrt(texels / lit) : 0.0;
+    const double clear = mesh.unwrapped ? kChartGap / std::max(double(mesh.unwrapped->gap), 1e-9) : 0.0;
+    const double power =
+        std::max(std::round(std::log2(std::max(across, 1.0))), std::ceil(std::log2(std::max(clear, 1.0))));
+    return glm::uvec2(uint32_t(std::clamp(std::exp2(power), double(kMinGrid), double(kMaxOwnGrid))));
 }
 
 } // namespace lumel::tsl

@@ -36,4 +36,10 @@ TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size);
 inline constexpr uint32_t kMinGrid = 1024, kMaxGrid = 8192;
 glm::uvec2 lumelGrid(int materialWidth, int materialHeight);
 
+// The same for a mesh whose lit UVs are not its material UVs: square, and as many lumels on a surface as
+// there would be if they were the same, to the nearest power of two, at most kMaxOwnGrid. At least so fine
+// that unwrapped charts stay clear of each other's filter taps.
+inline constexpr uint32_t kMaxOwnGrid = 4096;
+glm::uvec2 lumelGrid(const scene::Mesh& mesh, int materialWidth, int materialHeight);
+
 } // namespace lumel::tsl

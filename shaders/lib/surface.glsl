@@ -32,10 +32,12 @@ vec4 sampleBeside(sampler2D map, vec2 uv, float level)
     return textureLod(map, uv, max(level - offset, 0.0));
 }
 
-MaterialTexel sampleMaterial(vec2 uv, float level)
+// uv: of the reflectance (xy) and of glow (zw).
+MaterialTexel sampleMaterial(ObjectAt object, vec4 uv, float level)
 {
-    return unpackMaterial(textureLod(mapNormal, uv, level), textureLod(mapSpecular, uv, level),
-                          textureLod(mapDiffuse, uv, level), sampleBeside(mapGlow, uv, level));
+    return unpackMaterial(textureLod(mapNormal, uv.xy, level), textureLod(mapSpecular, uv.xy, level),
+                          textureLod(mapDiffuse, uv.xy, level),
+                          sampleBeside(mapGlow, uv.zw, level + object.at.glowLevelOffset));
 }
 
 // A point of a surface as the lights see it.

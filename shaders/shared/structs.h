@@ -26,7 +26,9 @@ struct Vertex {
     vec3 position; // metres, object space
     vec3 normal;   // unit
     vec4 tangent;  // unit xyz, w = handedness: B = w cross(N, T)
-    vec2 uv;       // texture coordinates, (0, 0) = upper left corner
+    vec2 uv;       // lit UVs: where its lumels are; unique, (0, 0) = upper left corner
+    vec2 materialUv; // where the material's maps are read; equal to uv where the file's own are unique
+    vec2 glowUv;     // the same for emission and occlusion
 };
 
 LUMEL_CONST uint kLightDirectional = 0u;
@@ -65,6 +67,7 @@ LUMEL_CONST uint kMaxLevels = 14u; // 8192 lumels down to 1
 
 LUMEL_CONST uint kObjectDoubleSided = 1u;
 LUMEL_CONST uint kObjectMask = 2u; // alpha below alphaCutoff is cut out
+LUMEL_CONST uint kObjectOwnMaterialUv = 4u; // its material UVs are not its lit UVs
 
 struct Object {
     mat4 worldFromObject;
@@ -74,7 +77,8 @@ struct Object {
     LUMEL_ADDRESS(Texels) texels;  // the mesh's texel map, all levels
     uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
     uvec2 litSize;                 // lumels of level 0, powers of two
-    float materialLevelOffset;     // material level = lit level + this
+    float materialLevelOffset;     // material level = lit level + this, where the UVs are the same
+    float glowLevelOffset;         // levels that glow's texels are finer because of UVs of their own
     uint flags;                    // kObject...
     float alphaCutoff;
     uint changed;                  // frame in which it last moved
@@ -278,7 +282,7 @@ LUMEL_SHARED_END
 #ifdef __cplusplus
 #include <cstddef>
 namespace lumel::shared {
-static_assert(sizeof(Vertex) == 48 && sizeof(Light) == 56 && sizeof(Tile) == 8);
+static_assert(sizeof(Vertex) == 64 && sizeof(Light) == 56 && sizeof(Tile) == 8);
 static_assert(offsetof(View, objects) % 8 == 0 && offsetof(Object, vertices) % 8 == 0);
 static_assert(sizeof(LitPush) <= 128 && sizeof(PlanPush) <= 128); // lavapipe's push constant limit
 } // namespace lumel::shared

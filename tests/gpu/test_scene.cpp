@@ -39,7 +39,9 @@ scene::Mesh planeMesh(int cells)
         return shared::Vertex{.position = {2.0f * uv.x - 1.0f, 1.0f - 2.0f * uv.y, 0.0f},
                               .normal = {0, 0, 1},
                               .tangent = {1, 0, 0, 1},
-                              .uv = uv};
+                              .uv = uv,
+                              .materialUv = uv,
+                              .glowUv = uv};
     });
 }
 
@@ -73,8 +75,12 @@ scene::Mesh sphereMesh(int rows, int columns)
     return gridMesh(rows, columns, [](glm::vec2 uv) {
         const float phi = 2.0f * shared::kPi * uv.x, theta = shared::kPi * uv.y;
         const glm::vec3 n(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi));
-        return shared::Vertex{
-            .position = n, .normal = n, .tangent = {std::cos(phi), 0.0f, -std::sin(phi), 1.0f}, .uv = uv};
+        return shared::Vertex{.position = n,
+                              .normal = n,
+                              .tangent = {std::cos(phi), 0.0f, -std::sin(phi), 1.0f},
+                              .uv = uv,
+                              .materialUv = uv,
+                              .glowUv = uv};
     });
 }
 

@@ -234,14 +234,6 @@ TEST_F(Gltf, UnusedMaterialsAreDropped)
     EXPECT_EQ(scene.objects[0].material, 0);
 }
 
-TEST_F(Gltf, UvProblemsAreNamed)
-{
-    gltf.quad(true, false);
-    EXPECT_EQ(load().meshes[0].uvProblem, "no UVs");
-    gltf.primitive()["attributes"]["TEXCOORD_0"] = gltf.floats({0, 1, 2, 1, 2, 0, 0, 0}, "VEC2", 2);
-    EXPECT_EQ(load().meshes[0].uvProblem, "UVs leave [0, 1]");
-}
-
 // --- Nodes
 
 TEST_F(Gltf, TransformsMultiplyDownTheTree)

@@ -57,6 +57,43 @@ TEST_F(MaterialMaps, ConstantsGiveOneTexel)
     EXPECT_EQ(glow.pixels[3], 1.0f);
 }
 
+TEST_F(MaterialMaps, MapsWithTransformsOfTheirOwnAreMoved)
+{
+    material.metallic = 0.0f;
+    material.baseColorImage = addImage(4, 2, 3, [](int x, int y, int c) {
+        return c == 0 ? 60 * x : c == 1 ? 100 * y : 0;
+    });
+    const auto texels = [&] { return reflectanceMaps(scene, material).diffuse; };
+    const Image still = texels();
+    // At u + 1/2 the map shows its other half.
+    material.baseColorUv.offset = {0.5f, 0.0f};
+    const Image shifted = texels();
+    ASSERT_EQ(shifted.width, 4);
+    ASSERT_EQ(shifted.height, 2);
+    for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 4; ++x)
+            expectNear(shifted.at(x, y), glm::vec3(still.at((x + 2) % 4, y)[0], still.at(x, y)[1], 0.0f),
+                       1e-4f);
+    // Relative to where the other maps are read: the same twice is nothing.
+    material.uv.offset = {0.5f, 0.0f};
+    EXPECT_EQ(texels().pixels, still.pixels);
+    // Repeated twice across, mirrored on the way: u runs 0 to 2.
+    material.uv = {};
+    material.baseColorUv = {.scale = {2.0f, 1.0f}, .wrapU = Wrap::mirror};
+    const Image twice = texels();
+    ASSERT_EQ(twice.width, 8);
+    for (int x = 0; x < 8; ++x)
+        expectNear(twice.at(x, 0), glm::vec3(still.at(x < 4 ? x : 7 - x, 0)[0], still.at(0, 0)[1], 0.0f),
+                   1e-4f);
+    // Another set cannot be moved.
+    material.baseColorUv = {.set = 1, .scale = {2.0f, 1.0f}};
+    EXPECT_EQ(texels().pixels, still.pixels);
+    // Nor one without extent.
+    material.uv.scale = {0.0f, 1.0f};
+    material.baseColorUv = {};
+    EXPECT_EQ(texels().pixels, still.pixels);
+}
+
 TEST_F(MaterialMaps, ColoursAreDecodedFromSrgbAndMultiplied)
 {
     material.metallic = 0.0f;

@@ -13,7 +13,7 @@ Mesh square(bool mirror = false)
         Vertex v{};
         v.position = {p.x, p.y, 0};
         v.normal = {0, 0, 1};
-        v.uv = {u(p.x), 1.0f - p.y}; // v grows downwards
+        v.materialUv = {u(p.x), 1.0f - p.y}; // v grows downwards
         mesh.vertices.push_back(v);
     }
     mesh.indices = {0, 1, 2, 0, 2, 3};
@@ -65,7 +65,7 @@ TEST(Tangents, SharedVertexOfMirroredHalvesIsSplit)
             Vertex v{};
             v.position = {p.x, y, 0};
             v.normal = {0, 0, 1};
-            v.uv = {p.z, 1.0f - y};
+            v.materialUv = {p.z, 1.0f - y};
             mesh.vertices.push_back(v);
         }
     mesh.indices = {0, 2, 3, 0, 3, 1, 2, 4, 5, 2, 5, 3};
@@ -108,7 +108,7 @@ TEST(Tangents, CornersWeighByTheirAngle)
         Vertex v{};
         v.position = p;
         v.normal = {0, 0, 1};
-        v.uv = uv;
+        v.materialUv = uv;
         mesh.vertices.push_back(v);
         mesh.indices.push_back(uint32_t(mesh.indices.size()));
     };

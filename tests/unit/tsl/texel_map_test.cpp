@@ -12,8 +12,12 @@ void addChart(scene::Mesh& mesh, float x0, float y0, float x1, float y1)
 {
     const auto base = uint32_t(mesh.vertices.size());
     for (const glm::vec2 uv : {glm::vec2(x0, y0), {x1, y0}, {x1, y1}, {x0, y1}})
-        mesh.vertices.push_back(
-            {.position = {uv.x, -uv.y, 0.0f}, .normal = {0, 0, 1}, .tangent = {1, 0, 0, 1}, .uv = uv});
+        mesh.vertices.push_back({.position = {uv.x, -uv.y, 0.0f},
+                                 .normal = {0, 0, 1},
+                                 .tangent = {1, 0, 0, 1},
+                                 .uv = uv,
+                                 .materialUv = uv,
+                                 .glowUv = uv});
     for (const uint32_t i : {0u, 3u, 2u, 0u, 2u, 1u})
         mesh.indices.push_back(base + i);
 }
