@@ -3,7 +3,8 @@
 #include "core/file.h"
 #include "core/progress.h"
 #include "frame.h"
-#include <charconv>
+#include "passes/names.h"
+#include "setup.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -11,41 +12,7 @@
 namespace lumel {
 namespace {
 
-constexpr const char* kShadingNames[] = {"tsl", "forward", "reference"};
-constexpr const char* kFilterNames[] = {"fit", "average", "flat", "height", "toksvig", "lean"};
 constexpr const char* kPathNames[] = {"still", "orbit", "dolly"};
-
-scene::Camera chooseCamera(const ShotArguments& arguments, const scene::Scene& scene)
-{
-    const float aspect = float(arguments.settings.size.x) / float(arguments.settings.size.y);
-    if (arguments.eye || arguments.target) {
-        scene::Camera camera;
-        camera.name = "options";
-        camera.target = arguments.target.value_or(scene.bounds.centre());
-        camera.eye =
-            arguments.eye.value_or(camera.target + glm::vec3(0.0f, 0.0f, 3.0f * scene.bounds.radius()));
-        camera.yFov = glm::radians(arguments.fovDegrees);
-        camera.nearMetres = std::max(1e-4f, 0.001f * scene.bounds.radius());
-        if (glm::distance(camera.eye, camera.target) < 1e-9f)
-            throw Error("--eye and --target are the same point; move one of them");
-        return camera;
-    }
-    if (arguments.camera.empty())
-        return scene.cameras.empty() ? scene::frameBounds(scene.bounds, aspect) : scene.cameras.front();
-    std::string known;
-    for (const auto& camera : scene.cameras) {
-        if (camera.name == arguments.camera)
-            return camera;
-        known += " " + camera.name;
-    }
-    size_t index = scene.cameras.size();
-    const char* end = arguments.camera.data() + arguments.camera.size();
-    const auto parsed = std::from_chars(arguments.camera.data(), end, index);
-    if (parsed.ec == std::errc() && parsed.ptr == end && index < scene.cameras.size())
-        return scene.cameras[index];
-    throw Error(fmt::format("{}: no camera '{}'; it has{}", arguments.scene.string(), arguments.camera,
-                            known.empty() ? " none: leave --camera out" : known));
-}
 
 // The file of each frame: `output` itself, or `output` with its %d or %0Nd replaced by the frame's number.
 class FrameFiles {
@@ -173,8 +140,7 @@ void runShot(const ShotArguments& arguments)
     if (!arguments.stats.empty())
         checkWritable(arguments.stats);
     scene::Scene scene = scene::loadGltf(arguments.scene);
-    if (arguments.lights > 0)
-        scene.lights = scene::lightRing(arguments.lights, scene.bounds);
+    changeScene(arguments, scene);
     const scene::Camera camera = chooseCamera(arguments, scene);
     const auto materials = scene::bakeMaterials(scene, {.method = arguments.filter,
                                                         .model = arguments.model,

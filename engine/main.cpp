@@ -16,9 +16,11 @@ int run(int argc, char** argv)
     app.set_version_flag("--version", LUMEL_VERSION);
     BakeArguments bake;
     ShotArguments shot;
+    ViewArguments view;
     CompareArguments compare;
     addBake(app, bake);
     addShot(app, shot);
+    addView(app, view);
     addCompare(app, compare);
     app.add_subcommand("help", "Show this help");
     const std::string help = app.help(); // after parsing, CLI11 would print the subcommand's own
@@ -36,6 +38,8 @@ int run(int argc, char** argv)
         runBake(bake);
     if (app.got_subcommand("shot"))
         runShot(shot);
+    if (app.got_subcommand("view"))
+        runView(view);
     if (app.got_subcommand("compare"))
         return runCompare(compare) ? 0 : 1;
     return 0;

@@ -14,6 +14,11 @@ DisplayPass::DisplayPass(const gpu::Device& device, const GpuScene& scene, const
       display_(gpu::makeComputePipeline(device, "display.comp", {*scene.frameLayout(), *displayLayout_},
                                         sizeof(shared::DisplayPush)))
 {
+    connect(device, targets);
+}
+
+void DisplayPass::connect(const gpu::Device& device, const Targets& targets)
+{
     const auto showing = [&](const gpu::Image& radiance) {
         auto set = gpu::makeSet(device, displayLayout_);
         gpu::writeSampled(device, *set, 0, *sampler_, radiance.view());
@@ -40,6 +45,13 @@ void DisplayPass::clearSum(Frame& frame)
                       gpu::Use::computeReadWrite);
 }
 
+void DisplayPass::resumeSum(Frame& frame)
+{
+    const gpu::Image& sum = frame.targets.sum;
+    gpu::imageBarrier(frame.commands, sum.handle(), sum.aspect(), gpu::Use::transferRead,
+                      gpu::Use::computeReadWrite);
+}
+
 void DisplayPass::accumulate(Frame& frame)
 {
     const gpu::Image& hdr = frame.targets.hdr;
@@ -47,7 +59,7 @@ void DisplayPass::accumulate(Frame& frame)
                       gpu::Use::computeRead);
     gpu::memoryBarrier(frame.commands, gpu::Use::computeReadWrite, gpu::Use::computeReadWrite);
     bindSets(frame, vk::PipelineBindPoint::eCompute, accumulate_, {*accumulateSet_});
-    pushConstants(frame.commands, accumulate_, shared::DisplayPush{.weight = 1.0f});
+    pushConstants(frame.commands, accumulate_, shared::DisplayPush{.weight = 1.0f, .toneMap = 0u});
     const glm::uvec2 size = frame.settings.size;
     frame.commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
 }
@@ -64,7 +76,9 @@ void DisplayPass::record(Frame& frame, int sampleCount)
     gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::undefined,
                       gpu::Use::computeWrite);
     bindSets(frame, vk::PipelineBindPoint::eCompute, display_, {sampleCount ? *sumSet_ : *hdrSet_});
-    pushConstants(commands, display_, shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1))});
+    pushConstants(commands, display_,
+                  shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)),
+                                      .toneMap = uint32_t(frame.settings.toneMap)});
     const glm::uvec2 size = frame.settings.size;
     commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
     gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,

@@ -37,6 +37,12 @@ std::vector<BakedMaterial> bakeMaterials(const Scene& scene, const MaterialOptio
     const auto start = std::chrono::steady_clock::now();
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& material = scene.materials[i];
+        if (!material.bakedFile.empty()) {
+            all.push_back({.reflectance = baker::readExr(material.bakedFile),
+                           .glow = mipChain(glowImage(scene, material)),
+                           .opacity = {}});
+            continue;
+        }
         const std::string key = cache.key(material);
         if (const auto [twin, isNew] = done.try_emplace(key, i); !isNew) {
             all.push_back(all[twin->second]);

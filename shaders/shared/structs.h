@@ -267,6 +267,7 @@ struct PoolPush {
 
 struct DisplayPush {
     float weight; // of the accumulated sum: 1 / samples
+    uint toneMap; // kToneMap...
 };
 
 LUMEL_SHARED_END

@@ -1,0 +1,10 @@
+// Shaders compiled anew from their sources while the program runs.
+#pragma once
+
+namespace lumel::gpu {
+
+// Replaces the code that shaderCode() gives; pipelines made from now on use it. Throws Error with the
+// compiler's first message, and changes nothing, when a shader does not compile or no compiler is there.
+void reloadShaders();
+
+} // namespace lumel::gpu
