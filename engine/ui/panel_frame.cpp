@@ -36,16 +36,21 @@ void bar(float share, ImU32 colour, ImVec2 at, ImVec2 size)
         list->AddRectFilled(at, {at.x + width, at.y + size.y}, colour, 2.0f);
 }
 
-// Whole milliseconds that the graph spans: the longest frame, rounded up so that it seldom changes.
+// Milliseconds that the graph spans: twice the median, rounded up so that it seldom changes. Single long
+// frames, such as a scene's first, are cut off.
 float spanOf(const ViewReport& report)
 {
-    float most = 10.0f;
+    std::vector<float> times;
     for (const FrameSample& sample : report.history)
-        most = std::max(most, sample.ms);
-    for (float span : {20.0f, 40.0f, 80.0f, 160.0f, 320.0f, 640.0f, 1280.0f})
-        if (most <= span)
-            return span;
-    return most;
+        times.push_back(sample.ms);
+    if (times.empty())
+        return 20.0f;
+    const auto middle = times.begin() + long(times.size() / 2);
+    std::nth_element(times.begin(), middle, times.end());
+    float span = 20.0f;
+    while (span < 2.0f * *middle)
+        span *= 2.0f;
+    return span;
 }
 
 void drawGraph(const ViewReport& report)

@@ -10,8 +10,8 @@ namespace {
 ImU32 heat(float valueOverPeak)
 {
     static const ImVec4 kStops[] = {{5, 6, 12, 1},      {38, 17, 84, 1},    {106, 28, 110, 1},
-                                 {172, 46, 88, 1},   {226, 88, 52, 1},   {250, 157, 36, 1},
-                                 {252, 224, 110, 1}, {255, 255, 225, 1}, {143, 219, 255, 1}};
+                                    {172, 46, 88, 1},   {226, 88, 52, 1},   {250, 157, 36, 1},
+                                    {252, 224, 110, 1}, {255, 255, 225, 1}, {143, 219, 255, 1}};
     // Logarithmic, so that the foot of a lobe shows.
     constexpr float kSteepness = 60.0f;
     const float t = std::log1p(kSteepness * std::max(valueOverPeak, 0.0f)) / std::log1p(kSteepness);

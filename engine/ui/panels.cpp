@@ -70,7 +70,7 @@ void drawCamera(ViewState& state, const ViewReport& report)
 
 void drawPictureTab(ViewState& state, const ViewReport& report)
 {
-    drawSide(state.split ? "Left" : "Shading", 0, state.sides[0]);
+    drawSide(state.split ? "Left" : "Picture", 0, state.sides[0]);
     ImGui::Checkbox("Compare with a second picture (X)", &state.split);
     if (state.split)
         drawSide("Right", 1, state.sides[1]);

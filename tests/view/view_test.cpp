@@ -108,17 +108,16 @@ protected:
     Image screenshot(bool split = false)
     {
         ++shots_;
-        char stem[16];
-        std::snprintf(stem, sizeof stem, "lumel-%03d", shots_);
+        const std::string stem = (shots_ < 10 ? "lumel-00" : "lumel-0") + std::to_string(shots_);
         display->key("F12");
-        EXPECT_TRUE(appears(std::string(stem) + ".txt")) << log();
-        std::vector<std::string> names{split ? std::string(stem) + "-left.png" : std::string(stem) + ".png"};
+        EXPECT_TRUE(appears(stem + ".txt")) << log();
+        std::vector<std::string> names{stem + (split ? "-left.png" : ".png")};
         if (split)
-            names.push_back(std::string(stem) + "-right.png");
+            names.push_back(stem + "-right.png");
         std::vector<Image> seen;
         for (const std::string& name : names)
             seen.push_back(readImage(folder_ / name));
-        rerun(readText(folder_ / (std::string(stem) + ".txt")));
+        rerun(readText(folder_ / (stem + ".txt")));
         for (size_t i = 0; i < names.size(); ++i) {
             const Image again = readImage(folder_ / names[i]);
             EXPECT_EQ(again.width, seen[i].width);
