@@ -35,6 +35,27 @@ vk::SurfaceFormatKHR chooseFormat(const std::vector<vk::SurfaceFormatKHR>& forma
     throw Error("Vulkan: the window takes no 8-bit colours; choose another device with --device");
 }
 
+// The part of a placement that an image of this size has. A window may have shrunk since the frame began.
+Placement clipped(Placement placement, vk::Extent2D size)
+{
+    const auto clip = [](int32_t at, uint32_t& to, uint32_t& from, uint32_t most) {
+        const uint32_t room = uint32_t(std::max(int64_t(most) - at, int64_t(0)));
+        if (to <= room)
+            return;
+        from = uint32_t(uint64_t(from) * room / to);
+        to = room;
+    };
+    vk::Rect2D &to = placement.to, &from = placement.from;
+    clip(to.offset.x, to.extent.width, from.extent.width, size.width);
+    clip(to.offset.y, to.extent.height, from.extent.height, size.height);
+    return placement;
+}
+
+bool isEmpty(const Placement& p)
+{
+    return std::min({p.to.extent.width, p.to.extent.height, p.from.extent.width, p.from.extent.height}) == 0;
+}
+
 std::array<vk::Offset3D, 2> cornersOf(const vk::Rect2D& rect)
 {
     return {vk::Offset3D{rect.offset.x, rect.offset.y, 0},
@@ -234,7 +255,10 @@ void Window::record(uint32_t index, const std::vector<Placement>& placements, st
     commands.clearColorImage(
         image, vk::ImageLayout::eTransferDstOptimal,
         vk::ClearColorValue(std::array<float, 4>{background[0], background[1], background[2], 1.0f}), range);
-    for (const Placement& placement : placements) {
+    for (const Placement& whole : placements) {
+        const Placement placement = clipped(whole, extent_);
+        if (isEmpty(placement))
+            continue;
         memoryBarrier(commands, Use::transferWrite, Use::transferWrite);
         const vk::ImageSubresourceLayers layers{kColour, 0, 0, 1};
         commands.blitImage(placement.picture->handle(), vk::ImageLayout::eTransferSrcOptimal, image,

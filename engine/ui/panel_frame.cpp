@@ -100,7 +100,7 @@ void drawPasses(const FrameSample& newest)
         list->AddText(at, ms > 0.0 ? kText : kFaint, pass.name);
         bar(float(ms / most), pass.colour, {at.x + column, at.y + 0.25f * height},
             {width - column - number, 0.5f * height});
-        const std::string text = fmt::format("{:.1f} ms", ms);
+        const std::string text = fmt::format("{:.{}f} ms", ms, ms < 100.0 ? 1 : 0);
         list->AddText({at.x + width - ImGui::CalcTextSize(text.c_str()).x, at.y}, ms > 0.0 ? kText : kFaint,
                       text.c_str());
         ImGui::Dummy({width, height - ImGui::GetStyle().ItemSpacing.y});
