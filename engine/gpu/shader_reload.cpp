@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "pipeline.h"
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -14,10 +15,17 @@ extern char** environ;
 namespace lumel::gpu {
 namespace {
 
+// The sources that the program was built from, unless the environment names others.
+std::string sourceFolder()
+{
+    const char* const folder = std::getenv("LUMEL_SHADERS");
+    return folder ? folder : LUMEL_SHADERS;
+}
+
 // Runs the compiler with its output in `log`; its exit status, or -1 when there is none.
 int compile(const std::string& source, const std::string& output, const std::string& log)
 {
-    const std::string include = std::string("-I") + LUMEL_SHADERS;
+    const std::string include = "-I" + sourceFolder();
     const char* const arguments[] = {"glslangValidator", "--target-env",  "vulkan1.3",
                                      "--quiet",          include.c_str(), "-o",
                                      output.c_str(),     source.c_str(),  nullptr};
@@ -71,7 +79,7 @@ void reloadShaders()
     const std::string output = (folder.path / "code.spv").string(), log = (folder.path / "log").string();
     std::map<std::string, std::vector<uint32_t>> codes;
     for (const std::string& name : shaderNames()) {
-        const std::string source = std::string(LUMEL_SHADERS) + "/" + name;
+        const std::string source = sourceFolder() + "/" + name;
         const int status = compile(source, output, log);
         if (status < 0)
             throw Error("glslangValidator is not to be found; install glslang-tools");

@@ -1,4 +1,5 @@
-// Shaders compiled anew from their sources while the program runs.
+// Shaders compiled anew from their sources while the program runs: those in the folder LUMEL_SHADERS of the
+// environment, or those that the program was built from.
 #pragma once
 
 namespace lumel::gpu {

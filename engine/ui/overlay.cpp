@@ -74,10 +74,11 @@ void drawSplit(const ViewState& state, const ViewReport& report, const Layout& l
         const float middle = 0.5f * layout.picture.y, grip = 5.0f * layout.scale;
         list->AddRectFilled({x - grip, middle - 4.0f * grip}, {x + grip, middle + 4.0f * grip},
                             IM_COL32(255, 255, 255, 235), grip);
+        const bool measured = state.settings.view == View::none;
         // Two rows, so that the labels never meet, however long.
         const float row = ImGui::GetFontSize() + 16.0f * layout.scale;
-        note(describe(state.sides[0], report.sides[0], true), {margin, margin}, layout.scale, kText);
-        note(describe(state.sides[1], report.sides[1], true), {layout.picture.x - margin, margin + row},
+        note(describe(state.sides[0], report.sides[0], measured), {margin, margin}, layout.scale, kText);
+        note(describe(state.sides[1], report.sides[1], measured), {layout.picture.x - margin, margin + row},
              layout.scale, kText, true);
         if (report.referenceSamples > 0)
             note(fmt::format("errors against {} samples a pixel", report.referenceSamples),
@@ -172,7 +173,8 @@ void drawOverlay(const ViewState& state, const ViewReport& report, const Layout&
 
 void drawHelp(ViewState& state, const Layout& layout)
 {
-    ImGui::SetNextWindowPos({0.5f * layout.window.x, 0.5f * layout.window.y}, ImGuiCond_Always, {0.5f, 0.5f});
+    ImGui::SetNextWindowPos({0.5f * layout.picture.x, 0.5f * layout.picture.y}, ImGuiCond_Always,
+                            {0.5f, 0.5f});
     ImGui::SetNextWindowFocus();
     ImGui::Begin("Keys", &state.help,
                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |

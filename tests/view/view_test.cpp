@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <fstream>
+#include <numeric>
 #include <sstream>
 #include <sys/wait.h>
 #include <thread>
@@ -96,6 +97,13 @@ protected:
     }
 
     std::string log() const { return readText(folder_ / "cache" / "log"); }
+
+    bool says(const std::string& words) const
+    {
+        for (int i = 0; i < 1500 && log().find(words) == std::string::npos; ++i)
+            pause(20);
+        return log().find(words) != std::string::npos;
+    }
 
     bool appears(const fs::path& file, double seconds = 30.0)
     {
@@ -198,9 +206,7 @@ TEST_F(View, TakesDropsAndKeepsTheOldSceneWhenOneFails)
     ASSERT_NE(window, 0u) << log();
     std::ofstream(folder_ / "broken.gltf") << "{ no scene";
     ASSERT_TRUE(display->drop(window, folder_ / "broken.gltf", 100, 100));
-    for (int i = 0; i < 500 && log().find("broken.gltf") == std::string::npos; ++i)
-        pause(20);
-    EXPECT_NE(log().find("broken.gltf"), std::string::npos);
+    EXPECT_TRUE(says("broken.gltf")) << log();
     EXPECT_NE(display->find("first.gltf - Lumel"), 0u);
 
     ASSERT_TRUE(display->drop(window, folder_ / "second.gltf", 100, 100));
@@ -210,8 +216,7 @@ TEST_F(View, TakesDropsAndKeepsTheOldSceneWhenOneFails)
     // A baked file onto the surface in the middle of the picture: matte blue.
     rerun("lumel bake --height first.png --height-scale 0.02 --specular 0 --diffuse 0.1,0.2,0.8 -o blue.exr");
     ASSERT_TRUE(display->drop(window, folder_ / "blue.exr", 160, 150));
-    for (int i = 0; i < 500 && log().find("now the material") == std::string::npos; ++i)
-        pause(20);
+    ASSERT_TRUE(says("now the material")) << log();
     const Image blue = screenshot();
     const float* middle = blue.at(blue.width / 2, blue.height / 2);
     EXPECT_GT(middle[2], 1.3f * middle[0]);
@@ -249,6 +254,42 @@ TEST_F(View, StandsAStormOfSizes)
     display->key("q", {"Control_L"});
     EXPECT_EQ(finish(), 0) << log();
     EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
+}
+
+TEST_F(View, ReloadsShadersAndKeepsTheOldOnesWhenOneIsBroken)
+{
+    const fs::path shaders = folder_ / "cache" / "shaders", file = shaders / "display.comp";
+    fs::copy(LUMEL_SHADERS, shaders, fs::copy_options::recursive);
+    setenv("LUMEL_SHADERS", shaders.c_str(), 1);
+    start({"first.gltf", "--size", "700x300"});
+    unsetenv("LUMEL_SHADERS");
+    ASSERT_NE(display->find("first.gltf - Lumel"), 0u) << log();
+    const Image before = screenshot();
+    const std::string code = readText(file);
+    std::ofstream(file) << code << "\nbroken\n";
+    display->key("r");
+    ASSERT_TRUE(says("display.comp: ERROR")) << log();
+    EXPECT_EQ(screenshot().pixels, before.pixels);
+
+    std::string darker = code;
+    const std::string weight = "* push.weight";
+    ASSERT_NE(darker.find(weight), std::string::npos);
+    darker.replace(darker.find(weight), weight.size(), "* push.weight * 0.25");
+    std::ofstream(file) << darker;
+    display->key("r");
+    ASSERT_TRUE(says("compiled anew")) << log();
+    display->key("F12", {"Shift_L"}); // linear radiance, from before the display pass
+    ASSERT_TRUE(appears("lumel-003.txt"));
+    EXPECT_TRUE(fs::exists(folder_ / "lumel-003.exr"));
+    display->key("F12");
+    ASSERT_TRUE(appears("lumel-004.txt"));
+    const Image dark = readImage(folder_ / "lumel-004.png");
+    const auto sum = [](const Image& image) {
+        return std::accumulate(image.pixels.begin(), image.pixels.end(), 0.0);
+    };
+    EXPECT_LT(sum(dark), 0.8 * sum(before));
+    display->key("q", {"Control_L"});
+    EXPECT_EQ(finish(), 0) << log();
 }
 
 TEST_F(View, QuitsWhileBaking)
