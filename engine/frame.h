@@ -6,6 +6,7 @@
 #include "passes/need_pass.h"
 #include "passes/plan_pass.h"
 #include "stats.h"
+#include "tsl/budget.h"
 
 namespace lumel {
 
@@ -36,6 +37,7 @@ private:
     void recordTextureSpace(Frame& frame);
     void recordReference(Frame& frame);
     void assignRoom(Frame& frame);
+    void keepToBudget();
     bool settled(const Frame& frame) const;
     void countLumels(const Frame& frame);
     void begin(Frame& frame);
@@ -56,9 +58,14 @@ private:
     vk::raii::CommandBuffers commands_;
     FrameStats stats_;
     tsl::Rooms rooms_;
+    std::optional<tsl::BudgetController> budget_;
+    tsl::Quality quality_;      // of this frame
+    bool budgetMissed_ = false; // said so
     uint32_t frameIndex_ = 0;
+    glm::uvec2 renderSize_{0};
     // What the lumels in the pool stand for, and whether that is all that this view needs.
     glm::mat4 knownView_{0.0f};
+    tsl::Quality knownQuality_;
     uint32_t knownChange_ = 0;         // frame up to which changes of lights and objects are in
     std::optional<float> levelOffset_; // of the frame before
     bool offsetSettled_ = true;

@@ -125,6 +125,7 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
     const vk::CommandBuffer commands = frame.commands;
     Targets& targets = frame.targets;
     const bool multisampling = bool(targets.multisampled);
+    const vk::Extent2D extent{frame.renderSize.x, frame.renderSize.y};
     gpu::imageBarrier(commands, targets.hdr.handle(), targets.hdr.aspect(), gpu::Use::undefined,
                       gpu::Use::colorWrite);
     gpu::imageBarrier(commands, targets.depth.handle(), targets.depth.aspect(), gpu::Use::undefined,
@@ -151,12 +152,12 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
                                             .loadOp = vk::AttachmentLoadOp::eClear,
                                             .storeOp = vk::AttachmentStoreOp::eDontCare,
                                             .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
-    commands.beginRendering({.renderArea = {{0, 0}, targets.hdr.extent()},
+    commands.beginRendering({.renderArea = {{0, 0}, extent},
                              .layerCount = 1,
                              .colorAttachmentCount = 1,
                              .pColorAttachments = &color,
                              .pDepthAttachment = &depth});
-    setViewport(commands, targets.hdr.extent());
+    setViewport(commands, extent);
 
     if (frame.settings.view == View::pool) {
         drawPool(frame, pool);

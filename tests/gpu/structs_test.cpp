@@ -200,6 +200,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(PoolPush, layer);
     EXPECT_OFFSET(PoolPush, shade);
     EXPECT_OFFSET(DisplayPush, weight);
+    EXPECT_OFFSET(DisplayPush, size);
 }
 
 TEST(SharedStructs, ArrayStridesEqualTheSizes)
