@@ -50,6 +50,7 @@ void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
         .anisotropy = frame.settings.anisotropy,
         .layer = room.texture.layer,
         .mips = block.layout.mips,
+        .waiting = frame.lumelBudget < ~0u ? 1u : 0u,
         .tileOffsets = {}};
     std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), push.tileOffsets);
     pushConstants(commands, lit_, push);

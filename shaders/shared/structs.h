@@ -230,6 +230,7 @@ struct LitPush {
     float anisotropy;
     uint layer;
     uint mips;
+    uint waiting;      // 1: some lumels may wait for their light, and count for nothing
     uint tileOffsets[kMaxLevels];
 };
 

@@ -193,6 +193,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(LitPush, anisotropy);
     EXPECT_OFFSET(LitPush, layer);
     EXPECT_OFFSET(LitPush, mips);
+    EXPECT_OFFSET(LitPush, waiting);
     EXPECT_OFFSET(LitPush, tileOffsets);
     EXPECT_OFFSET(ViewPush, draw);
     EXPECT_OFFSET(ViewPush, kind);
