@@ -92,6 +92,7 @@ RunInfo describeRun(const ShotArguments& arguments, const scene::Camera& camera,
                 .filter = kFilterNames[size_t(arguments.filter)],
                 .width = arguments.settings.size.x,
                 .height = arguments.settings.size.y,
+                .budgetMs = arguments.settings.budgetMs,
                 .options = {{"camera", camera.name},
                             {"path", kPathNames[size_t(arguments.path)]},
                             {"step", fmt::format("{}", stepOf(arguments))},
@@ -99,6 +100,8 @@ RunInfo describeRun(const ShotArguments& arguments, const scene::Camera& camera,
                             {"msaa", std::to_string(arguments.settings.msaa)},
                             {"anisotropy", fmt::format("{}", arguments.settings.anisotropy)},
                             {"exposure", fmt::format("{}", arguments.settings.exposure)}}};
+    if (arguments.settings.budgetMs > 0.0)
+        run.options["budget-ms"] = fmt::format("{}", arguments.settings.budgetMs);
     if (arguments.lights > 0)
         run.options["lights"] = std::to_string(arguments.lights);
     return run;
@@ -135,6 +138,8 @@ void runShot(const ShotArguments& arguments)
     if (extension != ".png" && extension != ".exr")
         throw Error(fmt::format("{}: unknown picture format; end the name in .png or .exr",
                                 arguments.output.string()));
+    if (arguments.settings.budgetMs > 0.0 && arguments.settings.shading == Shading::reference)
+        throw Error("--budget-ms: the reference has one quality only; leave the budget out");
     const FrameFiles files(arguments.output, arguments.frames);
     checkWritable(files.of(0));
     if (!arguments.stats.empty())

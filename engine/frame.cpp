@@ -4,6 +4,7 @@
 #include "core/math.h"
 #include "core/progress.h"
 #include <chrono>
+#include <spdlog/spdlog.h>
 
 namespace lumel {
 
@@ -40,13 +41,16 @@ Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
       light_(device, scene_, pool_), display_(device, scene_, targets_), timer_(device),
       commands_(device.handle(), {.commandPool = *device.commandPool(), .commandBufferCount = 1})
 {
+    if (settings.budgetMs > 0.0)
+        budget_.emplace(settings.budgetMs);
 }
 
 // Nothing to find, to light or to fade: the view has not changed since its every pixel was looked at.
 bool Renderer::isSettled(const Frame& frame) const
 {
-    return frame.clipFromWorld == knownView_ && scene_.changed() <= knownChange_ &&
-           offsetsSeen_ >= NeedPass::kCycle && lumelsPending_ == 0 && rooms_.steady();
+    return frame.clipFromWorld == knownView_ && quality_.samePicture(knownQuality_) &&
+           scene_.changed() <= knownChange_ && offsetsSeen_ >= NeedPass::kCycle && lumelsPending_ == 0 &&
+           rooms_.steady();
 }
 
 void Renderer::assignRoom(Frame& frame)
@@ -58,7 +62,7 @@ void Renderer::assignRoom(Frame& frame)
     levelOffset_ =
         tsl::levelOffsetFor(frame.needs, settings_.levelOffset, settings_.lumelsPerPixel, levelOffset_);
     offsetSettled_ = *levelOffset_ == before;
-    frame.levelOffset = *levelOffset_;
+    frame.levelOffset = *levelOffset_ + quality_.levelBias;
     for (tsl::ObjectNeed& need : frame.needs)
         need.level += frame.levelOffset;
     writeView(frame, glm::vec2(0.0f));
@@ -70,10 +74,11 @@ void Renderer::assignRoom(Frame& frame)
     for (size_t i = 0; i < frame.needs.size(); ++i)
         if (rooms_.objects()[i].texture)
             known_.pixelsCovered += frame.needs[i].samples * need_.divisor() * need_.divisor();
-    if (frame.clipFromWorld != knownView_)
+    if (frame.clipFromWorld != knownView_ || !quality_.samePicture(knownQuality_))
         offsetsSeen_ = 0;
     offsetsSeen_ += need_.divisor() == 1 ? NeedPass::kCycle : 1;
     knownView_ = frame.clipFromWorld;
+    knownQuality_ = quality_;
     knownChange_ = frame.index;
     begin(frame);
     pool_.recordHandovers(frame);
@@ -81,7 +86,7 @@ void Renderer::assignRoom(Frame& frame)
 
 void Renderer::countLumels(const Frame& frame)
 {
-    if (knownView_ == frame.clipFromWorld && frame.needs.empty()) { // settled
+    if (frame.needs.empty()) { // settled
         stats_.lumelsKept = known_.lumelsMarked;
     } else {
         const shared::Plan& plan = plan_.read();
@@ -191,7 +196,7 @@ void Renderer::setSettings(const Settings& settings)
     const Settings before = std::exchange(settings_, settings);
     const auto targetsOf = [](const Settings& s) {
         const bool reference = s.shading == Shading::reference;
-        return std::tuple(s.size, reference, reference || s.msaa);
+        return std::tuple(s.size, reference, reference ? 1 : s.msaa);
     };
     if (targetsOf(settings) != targetsOf(before)) {
         targets_ = Targets(device_, settings);
@@ -200,6 +205,13 @@ void Renderer::setSettings(const Settings& settings)
     }
     if (settings.size != before.size)
         need_.resize(device_, settings.size);
+    if (settings.budgetMs != before.budgetMs) {
+        budget_.reset();
+        if (settings.budgetMs > 0.0)
+            budget_.emplace(settings.budgetMs);
+        quality_ = {};
+        budgetMissed_ = false;
+    }
     if (settings.poolBytes != before.poolBytes)
         pool_.clear(settings.poolBytes);
     // Whatever decides which lumels a view needs, or how they are lit.
@@ -227,19 +239,25 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
         throw Interrupted();
     const auto start = std::chrono::steady_clock::now();
     stats_ = {};
+    if (budget_)
+        quality_ = budget_->quality();
     Frame frame{.device = device_,
                 .commands = *commands_.front(),
                 .timer = timer_,
                 .scene = scene_,
                 .targets = targets_,
                 .settings = settings_,
+                .renderSize =
+                    glm::max(glm::uvec2(glm::round(glm::vec2(settings_.size) * quality_.renderScale)), 1u),
                 .clipFromWorld = clipFromWorld(camera),
                 .eye = camera.eye,
                 .index = ++frameIndex_,
                 .inView = {},
                 .needs = {},
-                .levelOffset = levelOffset_.value_or(settings_.levelOffset),
+                .levelOffset = levelOffset_.value_or(settings_.levelOffset) + quality_.levelBias,
+                .lumelBudget = std::min(settings_.lumelBudget, quality_.lumels),
                 .rooms = rooms_};
+    renderSize_ = frame.renderSize;
     frame.inView = scene_.objectsInView(frame.clipFromWorld);
     scene_.writeObjects();
     writeView(frame, glm::vec2(0.0f));
@@ -254,6 +272,9 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     stats_.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (settings_.shading == Shading::tsl)
         countLumels(frame);
+    stats_.renderScale = quality_.renderScale;
+    stats_.budgetBias = quality_.levelBias;
+    stats_.lumelBudget = frame.lumelBudget;
     stats_.poolUsedBytes = pool_.bookkeeping().usedBytes();
     stats_.poolCapBytes = pool_.bookkeeping().capBytes();
     stats_.poolTextures = pool_.bookkeeping().textureCount();
@@ -262,6 +283,7 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
         ++(frame.inView[i] ? (lit ? stats_.objectsTsl : stats_.objectsForward) : stats_.objectsCulled);
     }
     inView_ = frame.inView;
+    keepToBudget();
     return stats_;
 }
 
@@ -286,6 +308,33 @@ std::map<uint32_t, size_t> Renderer::lumelsByTileSize() const
     return plan_.lumelsByTileSize(device_);
 }
 
+// Tells the controller what the frame cost, and the user when no quality is low enough.
+void Renderer::keepToBudget()
+{
+    if (!budget_)
+        return;
+    const auto ms = [&](const char* pass) {
+        const auto found = stats_.passMs.find(pass);
+        return found == stats_.passMs.end() ? 0.0 : found->second;
+    };
+    budget_->finished(
+        {.total = stats_.ms,
+         .find = ms("need") + ms("plan") + ms("lower"), // coarser tiles are looked at, lit or not
+         .light = ms("light"),
+         .draw = ms("draw"),
+         .display = ms("display"),
+         .found = settings_.shading != Shading::tsl || stats_.passMs.contains("need"),
+         .lumelsLit = stats_.lumelsLit,
+         .lumelsPending = stats_.lumelsPending});
+    if (budget_->outOfReach() && !budgetMissed_) {
+        spdlog::warn(
+            "a frame budget of {:g} ms is out of reach here: about {:.0f} ms at half the render scale; "
+            "raise --budget-ms or lower --size",
+            settings_.budgetMs, budget_->floorMs());
+        budgetMissed_ = true;
+    }
+}
+
 Image Renderer::readRadiance() const
 {
     const bool reference = settings_.shading == Shading::reference;
@@ -303,7 +352,12 @@ Image Renderer::readRadiance() const
     for (size_t i = 0; i < pixels; ++i)
         for (size_t c = 0; c < 3; ++c)
             image.pixels[i * 3 + c] = rgba[i * 4 + c] * weight;
-    return image;
+    if (renderSize_ == settings_.size)
+        return image;
+    Image part(int(renderSize_.x), int(renderSize_.y), 3);
+    for (int y = 0; y < part.height; ++y)
+        std::copy_n(image.at(0, y), 3 * part.width, part.at(0, y));
+    return upscaled(part, image.width, image.height);
 }
 
 Image Renderer::readDisplay() const

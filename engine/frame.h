@@ -6,6 +6,7 @@
 #include "passes/need_pass.h"
 #include "passes/plan_pass.h"
 #include "stats.h"
+#include "tsl/budget.h"
 
 namespace lumel {
 
@@ -50,6 +51,7 @@ private:
     void recordTextureSpace(Frame& frame);
     void recordReference(Frame& frame);
     void assignRoom(Frame& frame);
+    void keepToBudget();
     bool isSettled(const Frame& frame) const;
     void countLumels(const Frame& frame);
     FrameStats renderFrame(const scene::Camera& camera);
@@ -72,14 +74,19 @@ private:
     vk::raii::CommandBuffers commands_;
     FrameStats stats_;
     tsl::Rooms rooms_;
+    std::optional<tsl::BudgetController> budget_;
+    tsl::Quality quality_;      // of this frame
+    bool budgetMissed_ = false; // said so
     uint32_t frameIndex_ = 0;
     bool settled_ = false;
     bool first_ = true; // nothing is known of any view
     int sumSamples_ = 0;
     glm::mat4 sumView_{0.0f};
     uint32_t sumFrame_ = 0; // in which the sum was begun
+    glm::uvec2 renderSize_{0};
     // What the lumels in the pool stand for, and whether that is all that this view needs.
     glm::mat4 knownView_{0.0f};
+    tsl::Quality knownQuality_;
     uint32_t knownChange_ = 0;         // frame up to which changes of lights and objects are in
     std::optional<float> levelOffset_; // of the frame before
     bool offsetSettled_ = true;

@@ -160,6 +160,11 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
         ->check(CLI::Range(64u, ~0u))
         ->default_str("unlimited");
     command
+        ->add_option("--budget-ms", a.settings.budgetMs,
+                     "hold each frame within this time: fewer lumels a frame, coarser ones, fewer pixels")
+        ->check(CLI::Range(0.1, 10000.0))
+        ->default_str("none");
+    command
         ->add_option("--refresh-share", a.settings.refreshShare,
                      "tsl: share of the visible lumels lit again a frame because the camera moved")
         ->check(CLI::Range(0.0, 1.0))

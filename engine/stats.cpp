@@ -26,7 +26,9 @@ json frameJson(const FrameStats& f)
             {"pool",
              {{"used_bytes", f.poolUsedBytes}, {"cap_bytes", f.poolCapBytes}, {"textures", f.poolTextures}}},
             {"objects", {{"tsl", f.objectsTsl}, {"forward", f.objectsForward}, {"culled", f.objectsCulled}}},
-            {"render_scale", 1.0},
+            {"render_scale", f.renderScale},
+            {"lumel_budget", f.lumelBudget == ~0u ? json(nullptr) : json(f.lumelBudget)},
+            {"budget_bias", f.budgetBias},
             {"level_bias", f.levelBias},
             {"level_offset", f.levelOffset},
             {"error_rmse", nullptr}};
@@ -46,10 +48,12 @@ json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames,
     json list = json::array();
     std::vector<double> sorted;
     double sum = 0.0;
+    size_t missed = 0;
     for (const FrameStats& f : frames) {
         list.push_back(frameJson(f));
         sorted.push_back(f.ms);
         sum += f.ms;
+        missed += run.budgetMs > 0.0 && f.ms > run.budgetMs ? 1 : 0;
     }
     std::sort(sorted.begin(), sorted.end());
     json summary = json::object();
@@ -59,6 +63,7 @@ json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames,
                    {"p95_ms", percentile(sorted, 0.95)},
                    {"p99_ms", percentile(sorted, 0.99)},
                    {"max_ms", sorted.back()},
+<<<<<<< HEAD
                    {"missed", 0}}; // frames over the budget; there is none yet
     json table = json::array();
     for (const ObjectStats& o : objects)
@@ -82,6 +87,13 @@ json statsJson(const RunInfo& run, const std::vector<FrameStats>& frames,
             {"summary", summary},
             {"objects", table},
             {"lumels_by_tile_size", tileSizes}};
+=======
+                   {"missed", missed}}; // frames over the budget
+    return {{"schema", 1},          {"version", run.version}, {"options", run.options},
+            {"device", run.device}, {"driver", run.driver},   {"size", {run.width, run.height}},
+            {"scene", run.scene},   {"shading", run.shading}, {"filter", run.filter},
+            {"frames", list},       {"summary", summary}};
+>>>>>>> 45292c8 (Frame budget: a controller of lumels, levels and render scale, from the costs it measured)
 }
 
 } // namespace lumel

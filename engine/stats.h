@@ -20,6 +20,8 @@ struct FrameStats {
     size_t poolUsedBytes = 0, poolCapBytes = 0, poolTextures = 0;
     size_t objectsTsl = 0, objectsForward = 0, objectsCulled = 0;
     float levelBias = 0.0f, levelOffset = 0.0f;
+    float renderScale = 1.0f, budgetBias = 0.0f; // budgetBias: levels given up for the frame budget
+    size_t lumelBudget = ~0u;                    // lumels that the frame might light
 };
 
 // One object in a frame.
@@ -34,6 +36,7 @@ struct ObjectStats {
 struct RunInfo {
     std::string version, device, driver, scene, shading, filter;
     unsigned width = 0, height = 0;
+    double budgetMs = 0.0;                      // 0 = none
     std::map<std::string, std::string> options; // what else the picture depends on
 };
 

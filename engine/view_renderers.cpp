@@ -16,7 +16,7 @@ bool sameSettings(const Settings& a, const Settings& b)
     const auto all = [](const Settings& s) {
         return std::tuple(s.view, s.shading, s.size, s.filter, s.anisotropy, s.msaa, s.exposure, s.toneMap,
                           s.poolBytes, s.levelOffset, s.lumelsPerPixel, s.lumelBudget, s.refreshShare,
-                          s.tolerance);
+                          s.tolerance, s.budgetMs);
     };
     return all(a) == all(b);
 }
@@ -163,6 +163,7 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::View
         settings.size = size;
         settings.shading = Shading::reference;
         settings.samples = 1;
+        settings.budgetMs = 0.0; // the truth takes its time
         prepare(slot, state, slot.renderer ? slot.method : materials_.begin()->first, settings);
         rendered = renderSlot(slot, state) || rendered;
         settled = settled && slot.renderer->samples() >= state.settings.samples;
@@ -211,6 +212,11 @@ Image ViewRenderers::screenshot(const ui::ViewState& state, size_t side, bool ra
     Slot& slot = *rendererOf(side);
     if (!isReference_[side]) {
         // Lumels kept from other views are within the tolerance, not the same.
+        // A budget's quality depends on the machine's load: pictures are taken without.
+        Settings settings = slot.renderer->settings();
+        settings.budgetMs = 0.0;
+        slot.renderer->setSettings(settings);
+        slot.rendered = false;
         slot.renderer->restart();
         slot.stats = slot.renderer->render(state.camera.camera());
     }

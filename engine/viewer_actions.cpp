@@ -97,6 +97,7 @@ SceneArguments Viewer::argumentsOf(size_t side) const
 {
     SceneArguments a = arguments_;
     a.settings = renderers_->settings(side);
+    a.settings.budgetMs = 0.0; // what it gives depends on the machine's load
     if (a.settings.shading == Shading::reference)
         a.settings.samples = renderers_->samples(side);
     a.filter = renderers_->method(side);

@@ -14,11 +14,12 @@ void main()
         push.plan.at.groups[0] = max((marked + 63u) / 64u, 1u);
         return;
     }
-    uint budget = push.budgetTiles;
+    uint always = push.plan.at.histogram[kPriorityAlways];
+    uint budget = push.budgetTiles - min(always, push.budgetTiles);
     uint refreshable = uint(float(marked) * push.refreshShare);
     push.plan.at.threshold = 0u;
     push.plan.at.share = 1.0;
-    for (uint priority = kPriorities; priority-- > 0u;) {
+    for (uint priority = kPriorityAlways; priority-- > 0u;) {
         uint count = push.plan.at.histogram[priority];
         uint room = priority < kPriorityChanged ? min(budget, refreshable) : budget;
         if (count > room) {

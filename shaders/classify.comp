@@ -11,7 +11,8 @@ layout(push_constant, scalar) uniform Constants { PlanPush push; };
 // Display change per radian that is expected of any tile: even a dull one is looked after now and then.
 const float kLeastRate = 0.02;
 
-bool childrenMarked(ObjectAt object, uint mip, uvec2 tile, uint frame)
+// Can the tile be derived: are its four children all marked? `litToo`: and do they all hold light already?
+bool childrenServe(ObjectAt object, uint mip, uvec2 tile, bool litToo)
 {
     if (mip == 0u)
         return false;
@@ -21,7 +22,8 @@ bool childrenMarked(ObjectAt object, uint mip, uvec2 tile, uint frame)
         uvec2 child = tile * ratio + uvec2(i & 1u, i >> 1u);
         if (any(greaterThanEqual(child, fine)) || tileEmpty(object, mip - 1u, child))
             continue;
-        if (object.at.tiles.at[tileIndex(object, mip - 1u, child)].marked != frame)
+        TileState state = object.at.tiles.at[tileIndex(object, mip - 1u, child)];
+        if (state.marked != view.frame || (litToo && state.lit == 0u))
             return false;
     }
     return true;
@@ -55,11 +57,15 @@ uint judge(ObjectAt object, uint mip, uvec2 tile)
 {
     if (tileEmpty(object, mip, tile))
         return kVerdictEmpty;
-    if (childrenMarked(object, mip, tile, view.frame))
-        return kVerdictDerive;
     TileState state = object.at.tiles.at[tileIndex(object, mip, tile)];
+    // Within a budget the children may have to wait, and something must be shown meanwhile.
+    bool waits = state.lit == 0u && push.budgetTiles < ~0u / kTileLumels;
+    if (waits && mip == tailMip(object))
+        return kPriorityAlways;
+    if (childrenServe(object, mip, tile, waits))
+        return kVerdictDerive;
     if (state.lit == 0u) // coarse tiles first: they cover more
-        return kPriorityChanged + 1u + min(mip, kPriorities - kPriorityChanged - 2u);
+        return kPriorityChanged + 1u + min(mip, kPriorityAlways - kPriorityChanged - 2u);
     if (object.at.changed > state.lit || lightChanged(state))
         return kPriorityChanged;
     float angle = turnedSince(state, view.eyeInWorld);

@@ -81,7 +81,8 @@ void main()
         Lookup cubic = lookupOf(kFilter, p, lookup);
         vec2 place = along ? p : cubic.place;
         float weight = (isFine ? 1.0 - coarser : coarser) * (along ? 1.0 / float(footprint.taps) : cubic.weight);
-        sum += weight * vec4(tap(lit, mip, place), 1.0);
+        vec4 light = tap(lit, mip, place);
+        sum += weight * vec4(light.rgb, push.waiting != 0u ? light.a : 1.0);
     }
-    colour = vec4(max(sum.rgb / sum.a, vec3(0.0)), 1.0); // Catmull-Rom's lobes may fall below 0
+    colour = vec4(max(sum.rgb / max(sum.a, 0.1), vec3(0.0)), 1.0); // Catmull-Rom's lobes may fall below 0
 }

@@ -3,6 +3,7 @@
 #include "file.h"
 #include "shared/tonemap.h"
 #include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 #include <cmath>
 #include <fmt/format.h>
@@ -125,6 +126,20 @@ std::vector<unsigned char> encodePng(const Image& image)
         throw Error(fmt::format("a picture cannot be encoded as PNG ({})",
                                 firstLine(output ? output->geterror() : OIIO::geterror())));
     return bytes;
+}
+
+Image upscaled(const Image& image, int width, int height)
+{
+    const OIIO::ImageSpec from(image.width, image.height, image.channels, OIIO::TypeDesc::FLOAT);
+    const OIIO::ImageSpec to(width, height, image.channels, OIIO::TypeDesc::FLOAT);
+    Image result(width, height, image.channels);
+    const OIIO::ImageBuf source(from, const_cast<float*>(image.pixels.data()));
+    OIIO::ImageBuf target(to, result.pixels.data());
+    if (!OIIO::ImageBufAlgo::resize(target, source, "catmull-rom", 4.0f))
+        throw Error(fmt::format("a picture cannot be scaled ({})", firstLine(target.geterror())));
+    for (float& value : result.pixels)
+        value = std::max(value, 0.0f);
+    return result;
 }
 
 void floatsToHalf(std::span<const float> from, uint16_t* to)

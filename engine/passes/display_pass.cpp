@@ -3,7 +3,9 @@
 namespace lumel {
 
 DisplayPass::DisplayPass(const gpu::Device& device, const GpuScene& scene, const Targets& targets)
-    : sampler_(device.handle(), vk::SamplerCreateInfo{}),
+    : sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
+                                 .addressModeU = vk::SamplerAddressMode::eClampToEdge,
+                                 .addressModeV = vk::SamplerAddressMode::eClampToEdge}),
       accumulateLayout_(
           gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
       displayLayout_(gpu::makeSetLayout(
@@ -12,6 +14,8 @@ DisplayPass::DisplayPass(const gpu::Device& device, const GpuScene& scene, const
                                            {*scene.frameLayout(), *accumulateLayout_},
                                            sizeof(shared::DisplayPush))),
       display_(gpu::makeComputePipeline(device, "display.comp", {*scene.frameLayout(), *displayLayout_},
+                                        sizeof(shared::DisplayPush))),
+      upscale_(gpu::makeComputePipeline(device, "upscale.comp", {*scene.frameLayout(), *displayLayout_},
                                         sizeof(shared::DisplayPush)))
 {
     connect(device, targets);
@@ -59,7 +63,8 @@ void DisplayPass::accumulate(Frame& frame)
                       gpu::Use::computeRead);
     gpu::memoryBarrier(frame.commands, gpu::Use::computeReadWrite, gpu::Use::computeReadWrite);
     bindSets(frame, vk::PipelineBindPoint::eCompute, accumulate_, {*accumulateSet_});
-    pushConstants(frame.commands, accumulate_, shared::DisplayPush{.weight = 1.0f, .toneMap = 0u});
+    pushConstants(frame.commands, accumulate_,
+                  shared::DisplayPush{.weight = 1.0f, .size = frame.renderSize, .toneMap = 0u});
     const glm::uvec2 size = frame.settings.size;
     frame.commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
 }
@@ -75,11 +80,13 @@ void DisplayPass::record(Frame& frame, int sampleCount)
                       gpu::Use::computeSample);
     gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::undefined,
                       gpu::Use::computeWrite);
-    bindSets(frame, vk::PipelineBindPoint::eCompute, display_, {sampleCount ? *sumSet_ : *hdrSet_});
-    pushConstants(commands, display_,
-                  shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)),
-                                      .toneMap = uint32_t(frame.settings.toneMap)});
     const glm::uvec2 size = frame.settings.size;
+    const gpu::Pipeline& pipeline = frame.renderSize == size ? display_ : upscale_;
+    bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, {sampleCount ? *sumSet_ : *hdrSet_});
+    pushConstants(commands, pipeline,
+                  shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)),
+                                      .size = frame.renderSize,
+                                      .toneMap = uint32_t(frame.settings.toneMap)});
     commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
     gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,
                       gpu::Use::transferRead);

@@ -1,4 +1,5 @@
-// Display: radiance to display colour, once; and the sum of shifted frames behind the reference.
+// Display: radiance to display colour, once, upscaled where the frame is smaller; and the sum of shifted
+// frames behind the reference.
 #pragma once
 #include "frame_context.h"
 
@@ -11,13 +12,13 @@ public:
     void clearSum(Frame& frame);
     void resumeSum(Frame& frame);               // after record(): more is to be added
     void accumulate(Frame& frame);              // adds hdr to the sum
-    void record(Frame& frame, int sampleCount); // 0: shows hdr, else the sum's mean
+    void record(Frame& frame, int sampleCount); // 0: shows hdr's part of renderSize, else the sum's mean
 
 private:
     vk::raii::Sampler sampler_;
     gpu::SetLayout accumulateLayout_, displayLayout_;
     vk::raii::DescriptorSet accumulateSet_ = nullptr, hdrSet_ = nullptr, sumSet_ = nullptr;
-    gpu::Pipeline accumulate_, display_;
+    gpu::Pipeline accumulate_, display_, upscale_;
 };
 
 } // namespace lumel

@@ -51,6 +51,7 @@ void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
         .anisotropy = frame.settings.anisotropy,
         .layer = room.texture.layer,
         .mips = block.layout.mips,
+        .waiting = frame.lumelBudget < ~0u ? 1u : 0u,
         .tileOffsets = {}};
     std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), push.tileOffsets);
     pushConstants(commands, lit, push);
@@ -129,6 +130,7 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
     const vk::CommandBuffer commands = frame.commands;
     Targets& targets = frame.targets;
     const bool multisampling = bool(targets.multisampled);
+    const vk::Extent2D extent{frame.renderSize.x, frame.renderSize.y};
     gpu::imageBarrier(commands, targets.hdr.handle(), targets.hdr.aspect(), gpu::Use::undefined,
                       gpu::Use::colorWrite);
     gpu::imageBarrier(commands, targets.depth.handle(), targets.depth.aspect(), gpu::Use::undefined,
@@ -155,12 +157,12 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
                                             .loadOp = vk::AttachmentLoadOp::eClear,
                                             .storeOp = vk::AttachmentStoreOp::eDontCare,
                                             .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
-    commands.beginRendering({.renderArea = {{0, 0}, targets.hdr.extent()},
+    commands.beginRendering({.renderArea = {{0, 0}, extent},
                              .layerCount = 1,
                              .colorAttachmentCount = 1,
                              .pColorAttachments = &color,
                              .pDepthAttachment = &depth});
-    setViewport(commands, targets.hdr.extent());
+    setViewport(commands, extent);
 
     if (frame.settings.view == View::pool) {
         drawPool(frame, pool);

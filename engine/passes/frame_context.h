@@ -24,12 +24,14 @@ struct Frame {
     GpuScene& scene;
     Targets& targets;
     const Settings& settings;
+    glm::uvec2 renderSize{0}; // pixels: a part of the targets, upscaled when it is not all
     glm::mat4 clipFromWorld{1.0f};
     glm::vec3 eye{0.0f};
     uint32_t index = 0;                 // from 1
     std::vector<uint8_t> inView;        // per object: its bounds meet the view
     std::vector<tsl::ObjectNeed> needs; // per object, from the need pass
-    float levelOffset = 0.0f;           // levels coarser than one lumel a pixel
+    float levelOffset = 0.0f;           // levels coarser than one lumel a pixel, the bias among them
+    uint32_t lumelBudget = ~0u;         // lumels to light at most
     tsl::Rooms& rooms;                  // per object, its lit texture
 };
 

@@ -47,7 +47,7 @@ void NeedPass::resize(const gpu::Device& device, glm::uvec2 size)
 void NeedPass::record(Frame& frame, bool everyPixel)
 {
     divisor_ = everyPixel ? 1 : kDivisor;
-    samples_ = (frame.settings.size + divisor_ - 1u) / divisor_;
+    samples_ = (frame.renderSize + divisor_ - 1u) / divisor_;
     const PassScope scope(frame, "need");
     const size_t count = frame.scene.objects().size();
     auto* needs = needs_.mapped<shared::Need>();
@@ -76,7 +76,7 @@ void NeedPass::record(Frame& frame, bool everyPixel)
     // Quarter pixels cover whole blocks of 4 x 4, also where the picture's size is not a multiple of 4: the
     // viewport reaches past its edge by the same share, which is at most three pixels.
     const glm::vec2 pixels = everyPixel ? glm::vec2(0.0f) : jitterInPixels(frame.index);
-    const glm::vec2 jitter = 2.0f * pixels / glm::vec2(frame.settings.size);
+    const glm::vec2 jitter = 2.0f * pixels / glm::vec2(frame.renderSize);
     shared::NeedPush push{.needs = needs_.address(),
                           .jitter = jitter,
                           .divisor = float(divisor_),

@@ -156,7 +156,7 @@ void PlanPass::record(Frame& frame, const NeedPass& need)
                                 .divisor = float(need.divisor()),
                                 .reach = reachOf(settings.filter),
                                 .objectCount = objectCount,
-                                .budgetTiles = settings.lumelBudget / shared::kTileLumels,
+                                .budgetTiles = frame.lumelBudget / shared::kTileLumels,
                                 .refreshShare = settings.refreshShare,
                                 .tolerance = settings.tolerance};
     const auto bind = [&](const gpu::Pipeline& pipeline, std::initializer_list<vk::DescriptorSet> sets = {}) {

@@ -44,6 +44,7 @@ struct Settings {
     uint32_t lumelBudget = ~0u;      // lit a frame at most, whole tiles
     float refreshShare = 0.25f;      // of the marked tiles, lit again a frame because the eye moved
     float tolerance = 0.5f / 255.0f; // display value: tiles expected to change less are kept
+    double budgetMs = 0.0;           // to hold a frame's time within; 0 = none
 };
 
 } // namespace lumel

@@ -88,6 +88,10 @@ void Rooms::take(TexturePool& pool, const ObjectNeed& need, size_t object, uint6
     const auto acquire = [&] { return pool.acquire(int(object), level, textureSize(need, level), frame); };
     TextureId texture = acquire();
     const bool keepPrevious = bool(texture);
+    if (!texture && previous && previousLevel < level && levelBias_ == 0.0f) {
+        texture = previous; // finer than needed, but lit
+        level = previousLevel;
+    }
     if (!texture && previous) {
         pool.touch(previous, 0); // its memory may serve
         texture = acquire();
@@ -96,7 +100,8 @@ void Rooms::take(TexturePool& pool, const ObjectNeed& need, size_t object, uint6
         ++level;
         texture = acquire();
     }
-    room.fresh = texture && texture != previous;
+    // Where the previous texture's memory served, the new one may have its number.
+    room.fresh = texture && (texture != previous || level != previousLevel);
     room.previous = room.fresh && keepPrevious ? previous : TextureId{};
     if (room.fresh && previous)
         room.finest = std::max(0.0f, room.finest + float(previousLevel) - float(level));

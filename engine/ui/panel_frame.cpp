@@ -2,6 +2,7 @@
 #include "panels.h"
 #include "passes/names.h"
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace lumel::ui {
@@ -53,7 +54,7 @@ float spanOf(const ViewReport& report)
     return span;
 }
 
-void drawGraph(const ViewReport& report)
+void drawGraph(const ViewReport& report, double budgetMs)
 {
     constexpr int kBars = 120;
     ImDrawList* list = ImGui::GetWindowDrawList();
@@ -80,6 +81,10 @@ void drawGraph(const ViewReport& report)
                                 {left + std::max(1.0f, width - 1.0f), base}, pass.colour);
             base = std::max(base - height, top);
         }
+    }
+    if (budgetMs > 0.0 && budgetMs < span) {
+        const float y = at.y + size.y * (1.0f - float(budgetMs) / span);
+        list->AddLine({at.x, y}, {at.x + size.x, y}, kWarning);
     }
     const std::string text = fmt::format("{:.0f} ms", span);
     list->AddText({at.x + 5.0f, at.y + 2.0f}, kFaint, text.c_str());
@@ -126,6 +131,11 @@ std::string thousands(size_t number)
 void drawLumelSettings(Settings& s)
 {
     const auto flags = ImGuiSliderFlags_AlwaysClamp;
+    label("Frame budget");
+    auto budgetMs = float(s.budgetMs);
+    if (ImGui::SliderFloat("##budgetms", &budgetMs, 0.0f, 200.0f, budgetMs > 0.0f ? "%.0f ms" : "none",
+                           flags))
+        s.budgetMs = std::round(budgetMs);
     label("Level offset");
     ImGui::SliderFloat("##offset", &s.levelOffset, -1.0f, 4.0f, "%.2f levels", flags);
     label("Density limit");
@@ -173,7 +183,7 @@ void drawFrameTimes(const ViewState& state, const ViewReport& report)
         ImGui::SameLine();
         ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(kAccent), "paused");
     }
-    drawGraph(report);
+    drawGraph(report, state.settings.budgetMs);
     drawPasses(newest);
 }
 
@@ -195,7 +205,9 @@ void drawLumelsTab(ViewState& state, const ViewReport& report)
     figure("Waiting", thousands(f.lumelsPending) + " lumels");
     const double pixels = double(std::max<size_t>(f.pixelsCovered, 1));
     figure("Density", fmt::format("{:.2f} lumels a covered pixel", double(f.lumelsMarked) / pixels));
-    figure("Levels", fmt::format("{:.2f} coarser, {:.2f} for memory", f.levelOffset, f.levelBias));
+    figure("Levels", fmt::format("{:.2f} coarser, {:.2f} for memory, {:.2f} for time", f.levelOffset,
+                                 f.levelBias, f.budgetBias));
+    figure("Render scale", fmt::format("{:.2f}", f.renderScale));
     figure("Objects",
            fmt::format("{} lit, {} forward, {} culled", f.objectsTsl, f.objectsForward, f.objectsCulled));
     figure("Pool", fmt::format("{} of {} MiB, {} textures", f.poolUsedBytes >> 20, f.poolCapBytes >> 20,

@@ -12,11 +12,11 @@ struct LitMip {
     float layer;
 };
 
-// p: in lumels of the MIP.
-vec3 tap(sampler2DArray lit, LitMip mip, vec2 p)
+// p: in lumels of the MIP. a: how much of it holds light; lumels that wait for theirs are 0 in all channels.
+vec4 tap(sampler2DArray lit, LitMip mip, vec2 p)
 {
     vec2 inside = mip.origin + clamp(p, vec2(0.5), mip.size - 0.5);
-    return textureLod(lit, vec3(inside * mip.inverseBlock, mip.layer), 0.0).rgb;
+    return textureLod(lit, vec3(inside * mip.inverseBlock, mip.layer), 0.0);
 }
 
 // A filter as bilinear lookups: where in the MIP, and how much each weighs; together they weigh about 1.

@@ -145,6 +145,8 @@ LUMEL_CONST uint kVerdictDerive = 65u;
 LUMEL_CONST uint kVerdictEmpty = 66u; // no surface
 // Priorities from here on are tiles that show nothing yet, or something that is no more.
 LUMEL_CONST uint kPriorityChanged = 47u;
+// The coarsest tile of an object that shows nothing yet: lit whatever the budget, so that nothing is black.
+LUMEL_CONST uint kPriorityAlways = 63u;
 
 // One frame's plan: how many tiles are marked, and which priorities are lit.
 struct Plan {
@@ -228,6 +230,7 @@ struct LitPush {
     float anisotropy;
     uint layer;
     uint mips;
+    uint waiting;      // 1: some lumels may wait for their light, and count for nothing
     uint tileOffsets[kMaxLevels];
 };
 
@@ -267,6 +270,7 @@ struct PoolPush {
 
 struct DisplayPush {
     float weight; // of the accumulated sum: 1 / samples
+    uvec2 size;   // pixels of the source that hold the picture
     uint toneMap; // kToneMap...
 };
 

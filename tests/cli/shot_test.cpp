@@ -143,6 +143,25 @@ TEST_F(Shot, WrongPathsFail)
     expectOneLine(run({"shot", "square.gltf", "-o", "a.png", "--stats", "no/s.json"}), 1, "no/s.json");
 }
 
+TEST_F(Shot, ABudgetOutOfReachIsSaidOnceAndCounted)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    const Outcome outcome = run({"shot", "square.gltf", "--size", "64x48", "--frames", "60", "--path",
+                                 "orbit", "--budget-ms", "0.1", "--stats", "s.json", "-o", "a.png"});
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.err;
+    const size_t said = outcome.err.find("out of reach");
+    ASSERT_NE(said, std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.find("out of reach", said + 1), std::string::npos) << outcome.err;
+    const auto stats = nlohmann::json::parse(readText(folder_ / "s.json"));
+    EXPECT_EQ(stats["summary"]["missed"], 60);
+    EXPECT_EQ(stats["frames"].front()["render_scale"], 1.0);
+    EXPECT_EQ(stats["frames"].back()["render_scale"], 0.5);
+    EXPECT_TRUE(stats["frames"].back()["lumel_budget"].is_number());
+    expectOneLine(run({"shot", "square.gltf", "--budget-ms", "0", "-o", "a.png"}), 2, "--budget-ms");
+    expectOneLine(run({"shot", "square.gltf", "--budget-ms", "9", "--shading", "reference", "-o", "a.png"}),
+                  1, "--budget-ms");
+}
+
 TEST_F(Shot, LightsReplaceTheScenes)
 {
     writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));

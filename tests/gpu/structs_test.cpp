@@ -193,6 +193,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(LitPush, anisotropy);
     EXPECT_OFFSET(LitPush, layer);
     EXPECT_OFFSET(LitPush, mips);
+    EXPECT_OFFSET(LitPush, waiting);
     EXPECT_OFFSET(LitPush, tileOffsets);
     EXPECT_OFFSET(ViewPush, draw);
     EXPECT_OFFSET(ViewPush, kind);
@@ -200,6 +201,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(PoolPush, layer);
     EXPECT_OFFSET(PoolPush, shade);
     EXPECT_OFFSET(DisplayPush, weight);
+    EXPECT_OFFSET(DisplayPush, size);
 }
 
 TEST(SharedStructs, ArrayStridesEqualTheSizes)

@@ -109,6 +109,30 @@ TEST(Room, AFinerTextureTakesOverWhatWasLitAndFadesIn)
     EXPECT_EQ(room.finest, 0.0f);
 }
 
+TEST(Room, ATextureInItsPredecessorsMemoryIsFresh)
+{
+    TexturePool pool(TextureLayout({512, 512}).blockBytes()); // for either texture, not for both
+    Rooms rooms;
+    rooms.assign(pool, std::vector{need(1.5f, {512, 512})}, 1);
+    EXPECT_EQ(rooms.objects()[0].litLevel, 1u);
+    rooms.assign(pool, std::vector{need(0.5f, {512, 512})}, 2);
+    EXPECT_EQ(rooms.objects()[0].litLevel, 0u);
+    EXPECT_TRUE(rooms.objects()[0].fresh);
+    EXPECT_FALSE(rooms.objects()[0].previous);
+}
+
+TEST(Room, ACoarserTextureThatDoesNotFitBesideTheLitOneWaits)
+{
+    TexturePool pool(TextureLayout({512, 512}).blockBytes());
+    Rooms rooms;
+    rooms.assign(pool, std::vector{need(0.5f, {512, 512})}, 1);
+    const TextureId lit = rooms.objects()[0].texture;
+    rooms.assign(pool, std::vector{need(1.5f, {512, 512})}, 2);
+    EXPECT_EQ(rooms.objects()[0].texture, lit);
+    EXPECT_EQ(rooms.objects()[0].litLevel, 0u);
+    EXPECT_FALSE(rooms.objects()[0].fresh);
+}
+
 TEST(Room, ALevelThatWaversAroundAWholeOneChangesNothing)
 {
     TexturePool pool(size_t(64) << 20);
