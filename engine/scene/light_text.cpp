@@ -16,7 +16,9 @@ std::vector<float> parseNumbers(std::string_view text)
         const size_t comma = std::min(text.find(','), text.size());
         float number = 0.0f;
         const auto parsed = std::from_chars(text.data(), text.data() + comma, number);
-        if (parsed.ec != std::errc() || parsed.ptr != text.data() + comma || !std::isfinite(number))
+        const bool endsInComma = comma + 1 == text.size();
+        if (endsInComma || parsed.ec != std::errc() || parsed.ptr != text.data() + comma ||
+            !std::isfinite(number))
             return {};
         numbers.push_back(number);
         text.remove_prefix(std::min(comma + 1, text.size()));
