@@ -103,8 +103,7 @@ void runShot(const ShotArguments& arguments)
     if (!arguments.stats.empty())
         checkWritable(arguments.stats);
     scene::Scene scene = scene::loadGltf(arguments.scene);
-    if (arguments.lights > 0)
-        scene.lights = scene::lightRing(arguments.lights, scene.bounds);
+    changeScene(arguments, scene);
     const scene::Camera camera = chooseCamera(arguments, scene);
     const auto materials = scene::bakeMaterials(scene, {.method = arguments.filter,
                                                         .model = arguments.model,

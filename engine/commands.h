@@ -2,6 +2,7 @@
 #pragma once
 #include "baker/bake.h"
 #include "gpu/device.h"
+#include "gpu/present_mode.h"
 #include "passes/settings.h"
 #include "playback.h"
 #include <filesystem>
@@ -32,8 +33,10 @@ struct SceneArguments {
     Settings settings;
     std::string camera; // name or index; empty = the first, or one that frames the scene
     std::optional<glm::vec3> eye, target;
-    float fovDegrees = 40.0f; // vertical, with eye and target
-    int lights = 0;           // 0 = the scene's
+    float fovDegrees = 40.0f;                                                 // vertical, with eye and target
+    int lights = 0;                                                           // 0 = the scene's
+    std::vector<scene::Light> lightList;                                      // in place of all others
+    std::vector<std::pair<std::string, std::filesystem::path>> materialFiles; // name, baked file
     baker::Method filter = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;
     bool useCache = true;
@@ -83,6 +86,16 @@ struct BenchArguments : SceneArguments {
 };
 // False when a ratio exceeds the limit.
 bool runBench(const BenchArguments& arguments);
+struct ViewArguments : SceneArguments {
+    bool listDevices = false; // and nothing else
+    gpu::PresentMode presentMode = gpu::PresentMode::fifo;
+    bool split = false; // the right side: shading and filter of its own
+    Shading rightShading = Shading::reference;
+    baker::Method rightFilter = baker::Method::fit;
+    bool panels = true;
+};
+// Throws Error without a display, or when the first scene cannot be shown.
+void runView(const ViewArguments& arguments);
 
 struct CompareArguments {
     std::filesystem::path a, b, output;

@@ -10,22 +10,24 @@ namespace lumel {
 
 void Renderer::recordFrame(Frame& frame)
 {
+    settled_ = true;
     if (settings_.shading == Shading::tsl)
         recordTextureSpace(frame);
     if (settings_.shading == Shading::reference)
         recordReference(frame); // the truth: many shifted forward frames at level 0
     else
         draw_.record(frame, pool_); // look the light up, per pixel
-    display_.record(frame, settings_.shading == Shading::reference ? settings_.samples : 0); // tone-map, once
+    display_.record(frame, settings_.shading == Shading::reference ? sumSamples_ : 0); // tone-map, once
 }
 
 void Renderer::recordTextureSpace(Frame& frame)
 {
-    if (settled(frame)) {
+    settled_ = isSettled(frame);
+    if (settled_) {
         plan_.prepare(frame, pool_); // the objects still draw their lit textures
         return;                      // and these hold all the light that this view needs
     }
-    need_.record(frame, frameIndex_ == 1);   // what does this view need, and how finely?
+    need_.record(frame, first_);             // what does this view need, and how finely?
     assignRoom(frame);                       // which recycled texture does each object draw?
     plan_.record(frame, need_);              // which of its tiles are to be lit, derived or kept?
     light_.recordLight(frame, pool_, plan_); // light them, once: linear radiance
@@ -36,8 +38,7 @@ Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
                    const std::vector<scene::BakedMaterial>& materials, const Settings& settings)
     : device_(device), settings_(settings), targets_(device, settings), scene_(device, scene, materials),
       pool_(device, settings.poolBytes), need_(device, settings.size, scene_), plan_(device, scene_, need_),
-      light_(device, scene_, pool_), draw_(device, settings, scene_, pool_),
-      display_(device, scene_, targets_), timer_(device),
+      light_(device, scene_, pool_), display_(device, scene_, targets_), timer_(device),
       commands_(device.handle(), {.commandPool = *device.commandPool(), .commandBufferCount = 1})
 {
     if (settings.budgetMs > 0.0)
@@ -45,7 +46,7 @@ Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
 }
 
 // Nothing to find, to light or to fade: the view has not changed since its every pixel was looked at.
-bool Renderer::settled(const Frame& frame) const
+bool Renderer::isSettled(const Frame& frame) const
 {
     return frame.clipFromWorld == knownView_ && quality_.samePicture(knownQuality_) &&
            scene_.changed() <= knownChange_ && offsetsSeen_ >= NeedPass::kCycle && lumelsPending_ == 0 &&
@@ -117,9 +118,12 @@ static glm::vec2 shiftOfSample(int i)
 void Renderer::recordReference(Frame& frame)
 {
     Progress progress("reference", size_t(settings_.samples));
-    display_.clearSum(frame);
+    if (sumSamples_ == 0)
+        display_.clearSum(frame);
+    else
+        display_.resumeSum(frame);
     for (int i = 0; i < settings_.samples; ++i) {
-        writeView(frame, shiftOfSample(i));
+        writeView(frame, shiftOfSample(sumSamples_++));
         draw_.record(frame, pool_);
         display_.accumulate(frame);
         finish(frame); // bounded work per submission, and a place for Ctrl-C
@@ -162,13 +166,81 @@ void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
 
 FrameStats Renderer::render(const scene::Camera& camera)
 {
+    sumSamples_ = 0;
+    return renderFrame(camera);
+}
+
+FrameStats Renderer::accumulate(const scene::Camera& camera)
+{
+    if (clipFromWorld(camera) != sumView_ || scene_.changed() > sumFrame_)
+        sumSamples_ = 0;
+    return renderFrame(camera);
+}
+
+void Renderer::restart()
+{
+    pool_.clear(settings_.poolBytes);
+    rooms_ = {};
+    first_ = true;
+    sumSamples_ = 0;
+    knownView_ = glm::mat4(0.0f);
+    levelOffset_.reset();
+    offsetSettled_ = true;
+    offsetsSeen_ = 0;
+    lumelsPending_ = 0;
+    known_ = {};
+}
+
+void Renderer::setSettings(const Settings& settings)
+{
+    const Settings before = std::exchange(settings_, settings);
+    const auto targetsOf = [](const Settings& s) {
+        const bool reference = s.shading == Shading::reference;
+        return std::tuple(s.size, reference, reference ? 1 : s.msaa);
+    };
+    if (targetsOf(settings) != targetsOf(before)) {
+        targets_ = Targets(device_, settings);
+        display_.connect(device_, targets_);
+        sumSamples_ = 0;
+    }
+    if (settings.size != before.size)
+        need_.resize(device_, settings.size);
+    if (settings.budgetMs != before.budgetMs) {
+        budget_.reset();
+        if (settings.budgetMs > 0.0)
+            budget_.emplace(settings.budgetMs);
+        quality_ = {};
+        budgetMissed_ = false;
+    }
+    if (settings.poolBytes != before.poolBytes)
+        pool_.clear(settings.poolBytes);
+    // Whatever decides which lumels a view needs, or how they are lit.
+    const auto lumelsOf = [](const Settings& s) {
+        return std::tuple(s.size, s.poolBytes, s.levelOffset, s.lumelsPerPixel, s.tolerance, s.filter);
+    };
+    if (lumelsOf(settings) != lumelsOf(before)) {
+        if (settings.poolBytes != before.poolBytes)
+            rooms_ = {};
+        knownView_ = glm::mat4(0.0f);
+        levelOffset_.reset();
+    }
+}
+
+glm::mat4 Renderer::clipFromWorld(const scene::Camera& camera) const
+{
+    const float aspect = float(settings_.size.x) / float(settings_.size.y);
+    return reversedPerspective(camera.yFov, aspect, camera.nearMetres) *
+           glm::lookAt(camera.eye, camera.target, camera.up);
+}
+
+FrameStats Renderer::renderFrame(const scene::Camera& camera)
+{
     if (interrupted())
         throw Interrupted();
     const auto start = std::chrono::steady_clock::now();
     stats_ = {};
     if (budget_)
         quality_ = budget_->quality();
-    const float aspect = float(settings_.size.x) / float(settings_.size.y);
     Frame frame{.device = device_,
                 .commands = *commands_.front(),
                 .timer = timer_,
@@ -177,8 +249,7 @@ FrameStats Renderer::render(const scene::Camera& camera)
                 .settings = settings_,
                 .renderSize =
                     glm::max(glm::uvec2(glm::round(glm::vec2(settings_.size) * quality_.renderScale)), 1u),
-                .clipFromWorld = reversedPerspective(camera.yFov, aspect, camera.nearMetres) *
-                                 glm::lookAt(camera.eye, camera.target, camera.up),
+                .clipFromWorld = clipFromWorld(camera),
                 .eye = camera.eye,
                 .index = ++frameIndex_,
                 .inView = {},
@@ -190,9 +261,13 @@ FrameStats Renderer::render(const scene::Camera& camera)
     frame.inView = scene_.objectsInView(frame.clipFromWorld);
     scene_.writeObjects();
     writeView(frame, glm::vec2(0.0f));
+    if (sumSamples_ == 0)
+        sumFrame_ = frameIndex_;
+    sumView_ = frame.clipFromWorld;
     begin(frame);
     recordFrame(frame);
     finish(frame);
+    first_ = first_ && settings_.shading != Shading::tsl;
 
     stats_.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (settings_.shading == Shading::tsl)
@@ -273,7 +348,7 @@ Image Renderer::readRadiance() const
     else
         halfToFloats({reinterpret_cast<const uint16_t*>(bytes.data()), pixels * 4}, rgba.data());
     Image image(int(settings_.size.x), int(settings_.size.y), 3);
-    const float weight = reference ? 1.0f / float(settings_.samples) : 1.0f;
+    const float weight = reference ? 1.0f / float(sumSamples_) : 1.0f;
     for (size_t i = 0; i < pixels; ++i)
         for (size_t c = 0; c < 3; ++c)
             image.pixels[i * 3 + c] = rgba[i * 4 + c] * weight;

@@ -17,6 +17,17 @@ public:
 
     // Renders one frame and waits for it. Throws Interrupted after Ctrl-C.
     FrameStats render(const scene::Camera& camera);
+    // Reference only: adds settings().samples to those of this very view, or starts anew.
+    FrameStats accumulate(const scene::Camera& camera);
+    // The last frame changed nothing: a further one of the same view would be the same.
+    bool settled() const { return settled_; }
+    int samples() const { return sumSamples_; } // behind the reference's picture
+
+    const Settings& settings() const { return settings_; }
+    // From the next frame on. What a change does not touch is kept.
+    void setSettings(const Settings& settings);
+    // Forgets all that earlier frames left: the next is as a new renderer's first.
+    void restart();
 
     // From the next frame on; what they reach is lit again.
     void setLights(const std::vector<scene::Light>& lights) { scene_.setLights(lights, frameIndex_ + 1); }
@@ -29,8 +40,11 @@ public:
     std::vector<ObjectStats> objectStats() const;
     std::map<uint32_t, size_t> lumelsByTileSize() const; // texture space only, see PlanPass
 
-    Image readRadiance() const; // RGB, linear, after render()
-    Image readDisplay() const;  // RGB, sRGB-encoded display values in [0, 1]
+    const gpu::Image& display() const { return targets_.display; } // in use transferRead after a frame
+    const GpuScene& scene() const { return scene_; }
+    const tsl::Rooms& rooms() const { return rooms_; } // of the objects, in the scene's order
+    Image readRadiance() const;                        // RGB, linear, after render()
+    Image readDisplay() const;                         // RGB, sRGB-encoded display values in [0, 1]
 
 private:
     void recordFrame(Frame& frame);
@@ -38,8 +52,10 @@ private:
     void recordReference(Frame& frame);
     void assignRoom(Frame& frame);
     void keepToBudget();
-    bool settled(const Frame& frame) const;
+    bool isSettled(const Frame& frame) const;
     void countLumels(const Frame& frame);
+    FrameStats renderFrame(const scene::Camera& camera);
+    glm::mat4 clipFromWorld(const scene::Camera& camera) const;
     void begin(Frame& frame);
     void finish(Frame& frame); // submits what is recorded, waits, and adds up the pass times
     void writeView(Frame& frame, glm::vec2 shiftInPixels);
@@ -62,6 +78,11 @@ private:
     tsl::Quality quality_;      // of this frame
     bool budgetMissed_ = false; // said so
     uint32_t frameIndex_ = 0;
+    bool settled_ = false;
+    bool first_ = true; // nothing is known of any view
+    int sumSamples_ = 0;
+    glm::mat4 sumView_{0.0f};
+    uint32_t sumFrame_ = 0; // in which the sum was begun
     glm::uvec2 renderSize_{0};
     // What the lumels in the pool stand for, and whether that is all that this view needs.
     glm::mat4 knownView_{0.0f};

@@ -16,10 +16,12 @@ int run(int argc, char** argv)
     app.set_version_flag("--version", LUMEL_VERSION);
     BakeArguments bake;
     ShotArguments shot;
+    ViewArguments view;
     CompareArguments compare;
     BenchArguments bench;
     addBake(app, bake);
     addShot(app, shot);
+    addView(app, view);
     addCompare(app, compare);
     addBench(app, bench);
     app.add_subcommand("help", "Show this help");
@@ -40,6 +42,8 @@ int run(int argc, char** argv)
         runShot(shot);
     if (app.got_subcommand("bench"))
         return runBench(bench) ? 0 : 1;
+    if (app.got_subcommand("view"))
+        runView(view);
     if (app.got_subcommand("compare"))
         return runCompare(compare) ? 0 : 1;
     return 0;

@@ -7,6 +7,7 @@ namespace lumel {
 
 void addBake(CLI::App& app, BakeArguments& arguments);
 void addShot(CLI::App& app, ShotArguments& arguments);
+void addView(CLI::App& app, ViewArguments& arguments);
 void addCompare(CLI::App& app, CompareArguments& arguments);
 void addBench(CLI::App& app, BenchArguments& arguments);
 

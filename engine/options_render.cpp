@@ -1,4 +1,7 @@
+#include "core/error.h"
 #include "options.h"
+#include "passes/names.h"
+#include "scene/light_text.h"
 #include "shared/structs.h"
 
 namespace lumel {
@@ -31,26 +34,20 @@ std::string parsePoint(const std::string& text, std::optional<glm::vec3>& point)
     return {};
 }
 
-const std::map<std::string, Shading> kShadings = {
-    {"tsl", Shading::tsl}, {"forward", Shading::forward}, {"reference", Shading::reference}};
-const std::map<std::string, DrawFilter> kDrawFilters = {{"bilinear", DrawFilter::bilinear},
-                                                        {"b-spline", DrawFilter::bspline},
-                                                        {"catmull-rom", DrawFilter::catmullRom},
-                                                        {"catmull-rom-16", DrawFilter::catmullRomExact}};
-const std::map<std::string, View> kViews = {{"level", View::level},
-                                            {"age", View::age},
-                                            {"lit", View::lit},
-                                            {"density", View::density},
-                                            {"mode", View::mode},
-                                            {"charts", View::charts},
-                                            {"normal", View::normal},
-                                            {"power", View::power},
-                                            {"anisotropy", View::anisotropy},
-                                            {"diffuse", View::diffuse},
-                                            {"specular", View::specular},
-                                            {"error", View::error},
-                                            {"overshading", View::overshading},
-                                            {"pool", View::pool}};
+// Option values from a list of names in an enum's order.
+template<class Enum, size_t count>
+std::map<std::string, Enum> valuesOf(const std::array<const char*, count>& names, size_t first = 0)
+{
+    std::map<std::string, Enum> values;
+    for (size_t i = first; i < count; ++i)
+        values.emplace(names[i], Enum(i));
+    return values;
+}
+
+const auto kShadings = valuesOf<Shading>(kShadingNames);
+const auto kDrawFilters = valuesOf<DrawFilter>(kDrawFilterNames);
+const auto kToneMaps = valuesOf<ToneMap>(kToneMapNames);
+const auto kViews = valuesOf<View>(kViewNames, 1);
 
 void addDeviceOptions(CLI::App* command, SceneArguments& a)
 {
@@ -78,6 +75,39 @@ void addCamera(CLI::App* command, SceneArguments& a)
         ->capture_default_str();
 }
 
+void addReplacements(CLI::App* command, SceneArguments& a)
+{
+    command
+        ->add_option_function<std::vector<std::string>>(
+            "--light",
+            [&a](const std::vector<std::string>& texts) {
+                for (const std::string& text : texts) {
+                    try {
+                        a.lightList.push_back(scene::parseLight(text));
+                    } catch (const Error& e) {
+                        throw CLI::ValidationError("--light", e.what());
+                    }
+                }
+            },
+            "a light in place of the scene's, may be repeated: sun,DX,DY,DZ,R,G,B,LUX or "
+            "point,X,Y,Z,R,G,B,CANDELA[,RANGE] or "
+            "spot,X,Y,Z,R,G,B,CANDELA,RANGE,DX,DY,DZ,INNER,OUTER")
+        ->allow_extra_args(false);
+    command
+        ->add_option_function<std::vector<std::string>>(
+            "--material",
+            [&a](const std::vector<std::string>& texts) {
+                for (const std::string& text : texts) {
+                    const size_t equals = text.find('=');
+                    if (equals == std::string::npos || equals + 1 == text.size())
+                        throw CLI::ValidationError("--material", text + ": write NAME=FILE.exr");
+                    a.materialFiles.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+                }
+            },
+            "a baked file in place of a material's maps, may be repeated: NAME=FILE.exr")
+        ->allow_extra_args(false);
+}
+
 } // namespace
 
 void addSceneOptions(CLI::App* command, SceneArguments& a)
@@ -96,6 +126,7 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
         ->add_option("--lights", a.lights,
                      "light the scene by N point and spot lights around it in place of its own")
         ->check(CLI::Range(1u, shared::kMaxLights));
+    addReplacements(command, a);
     command->add_option("--shading", a.settings.shading, "tsl, forward or reference")
         ->transform(CLI::CheckedTransformer(kShadings).description(""))
         ->default_str("tsl");
@@ -155,6 +186,9 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
     command->add_option("--exposure", a.settings.exposure, "display: multiplies radiance")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
+    command->add_option("--tone-map", a.settings.toneMap, "display: neutral (Khronos PBR), aces or clamp")
+        ->transform(CLI::CheckedTransformer(kToneMaps).description(""))
+        ->default_str("neutral");
     command
         ->add_option_function<size_t>(
             "--pool-mb", [&a](size_t mb) { a.settings.poolBytes = mb << 20; },

@@ -1,16 +1,14 @@
 #include "setup.h"
 #include "core/error.h"
+#include "passes/names.h"
+#include "scene/view_camera.h"
 #include <charconv>
 #include <fmt/format.h>
 
 namespace lumel {
 namespace {
 
-constexpr const char* kShadingNames[] = {"tsl", "forward", "reference"};
-constexpr const char* kFilterNames[] = {"fit", "average", "flat", "height", "toksvig", "lean"};
-constexpr const char* kModelNames[] = {"ashikhmin-shirley", "blinn-phong"};
 constexpr const char* kPathNames[] = {"still", "orbit", "dolly", "pan", "animation"};
-constexpr const char* kDrawFilterNames[] = {"bilinear", "b-spline", "catmull-rom", "catmull-rom-16"};
 
 std::string text(double number)
 {
@@ -23,16 +21,12 @@ scene::Camera chooseCamera(const SceneArguments& arguments, const scene::Scene& 
 {
     const float aspect = float(arguments.settings.size.x) / float(arguments.settings.size.y);
     if (arguments.eye || arguments.target) {
-        scene::Camera camera;
-        camera.name = "options";
-        camera.target = arguments.target.value_or(scene.bounds.centre());
-        camera.eye =
-            arguments.eye.value_or(camera.target + glm::vec3(0.0f, 0.0f, 3.0f * scene.bounds.radius()));
-        camera.yFov = glm::radians(arguments.fovDegrees);
-        camera.nearMetres = std::max(1e-4f, 0.001f * scene.bounds.radius());
-        if (glm::distance(camera.eye, camera.target) < 1e-9f)
+        const glm::vec3 target = arguments.target.value_or(scene.bounds.centre());
+        const glm::vec3 eye =
+            arguments.eye.value_or(target + glm::vec3(0.0f, 0.0f, 3.0f * scene.bounds.radius()));
+        if (glm::distance(eye, target) < 1e-9f)
             throw Error("--eye and --target are the same point; move one of them");
-        return camera;
+        return scene::ViewCamera::atPoints(eye, target, arguments.fovDegrees, scene.bounds);
     }
     if (arguments.camera.empty())
         return scene.cameras.empty() ? scene::frameBounds(scene.bounds, aspect) : scene.cameras.front();
@@ -103,6 +97,27 @@ void checkValidation(const gpu::Device& device)
     if (!device.validationMessages().empty())
         throw Error(
             fmt::format("Vulkan validation: {} messages; report them", device.validationMessages().size()));
+}
+
+void changeScene(const SceneArguments& arguments, scene::Scene& scene)
+{
+    if (arguments.lights > 0)
+        scene.lights = scene::lightRing(arguments.lights, scene.bounds);
+    if (!arguments.lightList.empty())
+        scene.lights = arguments.lightList;
+    for (const auto& [name, file] : arguments.materialFiles) {
+        std::string known;
+        bool found = false;
+        for (scene::Material& material : scene.materials) {
+            known += " " + material.name;
+            if (material.name == name) {
+                material.bakedFile = file;
+                found = true;
+            }
+        }
+        if (!found)
+            throw Error(fmt::format("{}: no material '{}'; it has{}", arguments.scene.string(), name, known));
+    }
 }
 
 } // namespace lumel

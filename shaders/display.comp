@@ -17,5 +17,5 @@ void main()
         return;
     ivec2 pixel = ivec2(index % size.x, index / size.x);
     vec3 linear = texelFetch(radiance, pixel, 0).rgb * push.weight;
-    imageStore(display, pixel, vec4(displayColour(linear, view.exposure), 1.0));
+    imageStore(display, pixel, vec4(displayColour(linear, view.exposure, push.toneMap), 1.0));
 }

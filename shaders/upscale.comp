@@ -25,5 +25,5 @@ void main()
         sum += lookup.weight * vec4(textureLod(radiance, inside * inverseWhole, 0.0).rgb, 1.0);
     }
     vec3 linear = max(sum.rgb / sum.a, vec3(0.0)) * push.weight; // Catmull-Rom's lobes may fall below 0
-    imageStore(display, pixel, vec4(displayColour(linear, view.exposure), 1.0));
+    imageStore(display, pixel, vec4(displayColour(linear, view.exposure, push.toneMap), 1.0));
 }

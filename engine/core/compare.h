@@ -14,6 +14,9 @@ struct Comparison {
 // Both pictures: RGB display values in [0, 1], same size. Throws Error when sizes differ.
 Comparison compareImages(const Image& a, const Image& b);
 
+// The same without the perceptual count, which takes most of the time.
+Comparison compareQuickly(const Image& a, const Image& b);
+
 // |a - b| times `gain`, RGB.
 Image differenceImage(const Image& a, const Image& b, float gain = 4.0f);
 

@@ -9,6 +9,7 @@ namespace {
 
 volatile std::sig_atomic_t signalled = 0;
 std::atomic<int> living{0}; // lines that could be drawn
+thread_local ProgressMonitor* threadMonitor = nullptr;
 
 void onSignal(int number)
 {
@@ -30,10 +31,30 @@ bool interrupted()
     return signalled != 0;
 }
 
+void ProgressMonitor::set(const std::string& label, size_t done, size_t total)
+{
+    const std::lock_guard lock(mutex_);
+    label_ = label;
+    share_ = total > 0 ? float(double(std::min(done, total)) / double(total)) : 0.0f;
+}
+
+std::string ProgressMonitor::label() const
+{
+    const std::lock_guard lock(mutex_);
+    return label_;
+}
+
+void monitorThisThread(ProgressMonitor* monitor)
+{
+    threadMonitor = monitor;
+}
+
 Progress::Progress(std::string label, size_t total)
     : label_(std::move(label)), total_(total), start_(std::chrono::steady_clock::now()),
-      terminal_(living++ == 0 && isatty(STDERR_FILENO) != 0)
+      terminal_(living++ == 0 && !threadMonitor && isatty(STDERR_FILENO) != 0), monitor_(threadMonitor)
 {
+    if (monitor_)
+        monitor_->set(label_, 0, total_);
 }
 
 Progress::Progress(Progress& whole, size_t share, size_t total)
@@ -53,13 +74,15 @@ Progress::~Progress()
 
 void Progress::advance(size_t units)
 {
-    if (interrupted())
+    if (interrupted() || (monitor_ && monitor_->cancelled))
         throw Interrupted();
     const size_t before = done_.fetch_add(units);
     if (whole_) {
         const auto part = [&](size_t done) { return share_ * std::min(done, total_) / total_; };
         whole_->advance(part(before + units) - part(before));
     }
+    if (monitor_)
+        monitor_->set(label_, done_, total_);
     if (!terminal_)
         return;
     const auto elapsed = std::chrono::steady_clock::now() - start_;

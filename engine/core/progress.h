@@ -7,6 +7,22 @@
 
 namespace lumel {
 
+// Watches the long work of one thread from another, and can stop it.
+struct ProgressMonitor {
+    std::atomic<bool> cancelled = false; // the work throws Interrupted soon after
+    void set(const std::string& label, size_t done, size_t total);
+    // What is being done, and the share of it in [0, 1] that is.
+    std::string label() const;
+    float share() const { return share_; }
+
+private:
+    mutable std::mutex mutex_;
+    std::string label_;
+    std::atomic<float> share_ = 0.0f;
+};
+// From now on this thread's work is told to `monitor` in place of stderr. Null: no more.
+void monitorThisThread(ProgressMonitor* monitor);
+
 // One line on stderr, redrawn at most ten times a second, only when stderr is a terminal and the work
 // has taken longer than 0.2 s. While one line lives, others stay silent. Safe to call from several threads.
 class Progress {
@@ -35,6 +51,7 @@ private:
     std::mutex mutex_;
     bool terminal_;
     bool drawn_ = false;
+    ProgressMonitor* monitor_ = nullptr;
     Progress* whole_ = nullptr;
     size_t share_ = 0;
 };

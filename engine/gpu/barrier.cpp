@@ -32,6 +32,10 @@ UseMasks masksOf(Use use)
     case Use::depthWrite:
         return {depthStages, Access::eDepthStencilAttachmentRead | Access::eDepthStencilAttachmentWrite,
                 Layout::eDepthAttachmentOptimal};
+    case Use::acquired: // the wait for the semaphore is at this stage
+        return {Stage::eTransfer, Access::eNone, Layout::eUndefined};
+    case Use::present: // the semaphore carries the rest
+        return {Stage::eNone, Access::eNone, Layout::ePresentSrcKHR};
     case Use::hostRead:
         return {Stage::eHost, Access::eHostRead, Layout::eGeneral};
     case Use::indirectRead:

@@ -17,6 +17,8 @@ enum class Use {
     depthWrite,
     hostRead,
     indirectRead, // dispatch arguments
+    acquired,     // a window's image from its semaphore on; contents do not matter
+    present,      // by the window
     general,      // an image or buffer that any command may read and write
 };
 

@@ -66,7 +66,22 @@ std::string missingFeature(const vk::raii::PhysicalDevice& device)
 
 } // namespace
 
-Device::Device(const DeviceOptions& options) : validation_(options.validation)
+std::vector<std::string> deviceNames()
+{
+    const vk::raii::Context context;
+    const vk::ApplicationInfo application{.pApplicationName = "lumel", .apiVersion = VK_API_VERSION_1_3};
+    std::vector<std::string> names;
+    try {
+        const vk::raii::Instance instance(context, vk::InstanceCreateInfo{.pApplicationInfo = &application});
+        for (const auto& device : vk::raii::PhysicalDevices(instance))
+            names.emplace_back(device.getProperties().deviceName.data());
+    } catch (const vk::SystemError&) { // no driver
+    }
+    return names;
+}
+
+Device::Device(const DeviceOptions& options)
+    : validation_(options.validation), windowExtensions_(options.windowExtensions)
 {
     createInstance();
     choosePhysical(options.device);
@@ -92,6 +107,8 @@ void Device::createInstance()
         layers.push_back(kValidationLayer);
         extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     }
+    for (const std::string& extension : windowExtensions_)
+        extensions.push_back(extension.c_str());
     const vk::DebugUtilsMessengerCreateInfoEXT messenger{
         .messageSeverity = vk::DebugUtilsMessageSeverityFlagBitsEXT::eWarning |
                            vk::DebugUtilsMessageSeverityFlagBitsEXT::eError,
@@ -172,11 +189,16 @@ void Device::createDevice()
     queueFamily_ = uint32_t(family - families.begin());
 
     const float priority = 1.0f;
+    const char* swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
     const vk::DeviceQueueCreateInfo queue{
         .queueFamilyIndex = queueFamily_, .queueCount = 1, .pQueuePriorities = &priority};
     const vk::StructureChain<vk::DeviceCreateInfo, vk::PhysicalDeviceFeatures2,
                              vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceVulkan13Features>
-        info({.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue}, {.features = {.shaderInt64 = VK_TRUE}},
+        info({.queueCreateInfoCount = 1,
+              .pQueueCreateInfos = &queue,
+              .enabledExtensionCount = windowExtensions_.empty() ? 0u : 1u,
+              .ppEnabledExtensionNames = &swapchain},
+             {.features = {.shaderInt64 = VK_TRUE}},
              {.scalarBlockLayout = VK_TRUE, .bufferDeviceAddress = VK_TRUE},
              {.synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE, .maintenance4 = VK_TRUE});
     device_ = vk::raii::Device(physical_, info.get<vk::DeviceCreateInfo>());

@@ -14,7 +14,12 @@ struct DeviceOptions {
     std::string
         device; // index or part of the name; empty = the first discrete, integrated, then software one
     bool validation = false;
+    // To present to a window: the instance extensions that its system asks for; empty = no window.
+    std::vector<std::string> windowExtensions{};
 };
+
+// Names of all Vulkan devices, in the order of their indices.
+std::vector<std::string> deviceNames();
 
 // Validation messages, collected while the device lives; tests fail on any.
 struct ValidationLog {
@@ -31,6 +36,9 @@ public:
     Device& operator=(const Device&) = delete;
 
     const vk::raii::Device& handle() const { return device_; }
+    const vk::raii::Instance& instance() const { return instance_; }
+    const vk::raii::PhysicalDevice& physical() const { return physical_; }
+    uint32_t queueFamily() const { return queueFamily_; }
     const vk::raii::Queue& queue() const { return queue_; }
     const vk::raii::CommandPool& commandPool() const { return commandPool_; }
     const vk::raii::DescriptorPool& descriptorPool() const { return descriptorPool_; }
@@ -63,6 +71,7 @@ public:
 private:
     // Declared in creation order, since they die in reverse.
     bool validation_ = false;
+    std::vector<std::string> windowExtensions_;
     std::unique_ptr<ValidationLog> validationLog_ = std::make_unique<ValidationLog>();
     vk::raii::Context context_;
     vk::raii::Instance instance_ = nullptr;

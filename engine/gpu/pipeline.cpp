@@ -1,5 +1,4 @@
 #include "pipeline.h"
-#include <map>
 #include <stdexcept>
 
 #include "table.inc"
@@ -7,12 +6,19 @@
 namespace lumel::gpu {
 namespace {
 
-const std::map<std::string, std::span<const uint32_t>>& shaderTable()
+std::map<std::string, std::span<const uint32_t>>& shaderTable()
 {
-    static const std::map<std::string, std::span<const uint32_t>> table = {
+    static std::map<std::string, std::span<const uint32_t>> table = {
 #include "entries.inc"
     };
     return table;
+}
+
+// Code that came later than the program.
+std::map<std::string, std::vector<uint32_t>>& replacedCode()
+{
+    static std::map<std::string, std::vector<uint32_t>> codes;
+    return codes;
 }
 
 vk::raii::ShaderModule makeModule(const Device& device, const std::string& shader)
@@ -38,6 +44,13 @@ std::span<const uint32_t> shaderCode(const std::string& name)
     if (found == shaderTable().end())
         throw std::logic_error("no shader named " + name);
     return found->second;
+}
+
+void replaceShaderCode(std::map<std::string, std::vector<uint32_t>> codes)
+{
+    replacedCode() = std::move(codes);
+    for (const auto& [name, code] : replacedCode())
+        shaderTable()[name] = code;
 }
 
 std::vector<std::string> shaderNames()

@@ -1,6 +1,7 @@
 // Pipelines from embedded SPIR-V, and the layouts of their descriptor sets.
 #pragma once
 #include "device.h"
+#include <map>
 #include <span>
 
 namespace lumel::gpu {
@@ -8,6 +9,8 @@ namespace lumel::gpu {
 // SPIR-V of a shader file by its name, "light.comp". Throws std::logic_error for an unknown name.
 std::span<const uint32_t> shaderCode(const std::string& name);
 std::vector<std::string> shaderNames();
+// From now on; spans of earlier replacements end.
+void replaceShaderCode(std::map<std::string, std::vector<uint32_t>> codes);
 
 using SetLayout = vk::raii::DescriptorSetLayout;
 // `count` bindings of one type, for every stage.

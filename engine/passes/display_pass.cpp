@@ -18,6 +18,11 @@ DisplayPass::DisplayPass(const gpu::Device& device, const GpuScene& scene, const
       upscale_(gpu::makeComputePipeline(device, "upscale.comp", {*scene.frameLayout(), *displayLayout_},
                                         sizeof(shared::DisplayPush)))
 {
+    connect(device, targets);
+}
+
+void DisplayPass::connect(const gpu::Device& device, const Targets& targets)
+{
     const auto showing = [&](const gpu::Image& radiance) {
         auto set = gpu::makeSet(device, displayLayout_);
         gpu::writeSampled(device, *set, 0, *sampler_, radiance.view());
@@ -44,6 +49,13 @@ void DisplayPass::clearSum(Frame& frame)
                       gpu::Use::computeReadWrite);
 }
 
+void DisplayPass::resumeSum(Frame& frame)
+{
+    const gpu::Image& sum = frame.targets.sum;
+    gpu::imageBarrier(frame.commands, sum.handle(), sum.aspect(), gpu::Use::transferRead,
+                      gpu::Use::computeReadWrite);
+}
+
 void DisplayPass::accumulate(Frame& frame)
 {
     const gpu::Image& hdr = frame.targets.hdr;
@@ -51,7 +63,8 @@ void DisplayPass::accumulate(Frame& frame)
                       gpu::Use::computeRead);
     gpu::memoryBarrier(frame.commands, gpu::Use::computeReadWrite, gpu::Use::computeReadWrite);
     bindSets(frame, vk::PipelineBindPoint::eCompute, accumulate_, {*accumulateSet_});
-    pushConstants(frame.commands, accumulate_, shared::DisplayPush{.weight = 1.0f, .size = frame.renderSize});
+    pushConstants(frame.commands, accumulate_,
+                  shared::DisplayPush{.weight = 1.0f, .size = frame.renderSize, .toneMap = 0u});
     const glm::uvec2 size = frame.settings.size;
     frame.commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
 }
@@ -70,9 +83,10 @@ void DisplayPass::record(Frame& frame, int sampleCount)
     const glm::uvec2 size = frame.settings.size;
     const gpu::Pipeline& pipeline = frame.renderSize == size ? display_ : upscale_;
     bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, {sampleCount ? *sumSet_ : *hdrSet_});
-    pushConstants(
-        commands, pipeline,
-        shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)), .size = frame.renderSize});
+    pushConstants(commands, pipeline,
+                  shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)),
+                                      .size = frame.renderSize,
+                                      .toneMap = uint32_t(frame.settings.toneMap)});
     commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
     gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,
                       gpu::Use::transferRead);

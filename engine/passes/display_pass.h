@@ -8,7 +8,9 @@ namespace lumel {
 class DisplayPass {
 public:
     DisplayPass(const gpu::Device& device, const GpuScene& scene, const Targets& targets);
+    void connect(const gpu::Device& device, const Targets& targets); // to targets of another size
     void clearSum(Frame& frame);
+    void resumeSum(Frame& frame);               // after record(): more is to be added
     void accumulate(Frame& frame);              // adds hdr to the sum
     void record(Frame& frame, int sampleCount); // 0: shows hdr's part of renderSize, else the sum's mean
 

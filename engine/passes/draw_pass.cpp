@@ -3,41 +3,42 @@
 
 namespace lumel {
 
-DrawPass::DrawPass(const gpu::Device& device, const Settings& settings, const GpuScene& scene,
-                   const LitPool& pool)
+const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind)
 {
-    const bool multisampling = settings.msaa > 1 && settings.shading != Shading::reference;
+    const bool multisampling = bool(frame.targets.multisampled);
+    const DrawFilter filter = kind == Kind::lit ? frame.settings.filter : DrawFilter{};
+    gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, filter}];
+    if (*pipeline.handle)
+        return pipeline;
     gpu::GraphicsInfo info{.vertex = "surface.vert",
-                           .fragment = "draw.frag",
-                           .sets = {*scene.frameLayout(), *pool.layout()},
-                           .pushBytes = sizeof(shared::LitPush),
+                           .fragment = "forward.frag",
+                           .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
+                           .pushBytes = sizeof(shared::DrawPush),
                            .samples =
                                multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1,
-                           .constant = uint32_t(settings.filter)};
-    lit_ = gpu::makeGraphicsPipeline(device, info);
-    info.fragment = "forward.frag";
-    info.pushBytes = sizeof(shared::DrawPush);
-    info.sets = {*scene.frameLayout(), *scene.materialLayout()};
-    forward_ = gpu::makeGraphicsPipeline(device, info);
-    info.blend = true;
-    blended_ = gpu::makeGraphicsPipeline(device, info);
-    if (settings.view == View::none)
-        return;
-    const bool showsPool = settings.view == View::pool;
-    info.fragment = showsPool ? "pool.frag" : "view.frag";
-    info.pushBytes = showsPool ? sizeof(shared::PoolPush) : sizeof(shared::ViewPush);
-    info.blend = false;
-    if (showsPool) {
+                           .constant = uint32_t(filter),
+                           .blend = kind == Kind::blended};
+    if (kind == Kind::lit) {
+        info.fragment = "draw.frag";
+        info.sets = {*frame.scene.frameLayout(), *pool.layout()};
+        info.pushBytes = sizeof(shared::LitPush);
+    } else if (kind == Kind::view) {
+        info.fragment = "view.frag";
+        info.pushBytes = sizeof(shared::ViewPush);
+    } else if (kind == Kind::pool) {
         info.vertex = "pool.vert";
-        info.sets = {*scene.frameLayout(), *pool.layout()};
+        info.fragment = "pool.frag";
+        info.sets = {*frame.scene.frameLayout(), *pool.layout()};
+        info.pushBytes = sizeof(shared::PoolPush);
     }
-    view_ = gpu::makeGraphicsPipeline(device, info);
+    return pipeline = gpu::makeGraphicsPipeline(frame.device, info);
 }
 
 void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
 {
     const vk::CommandBuffer commands = frame.commands;
-    bindSets(frame, vk::PipelineBindPoint::eGraphics, lit_,
+    const gpu::Pipeline& lit = pipeline(frame, pool, Kind::lit);
+    bindSets(frame, vk::PipelineBindPoint::eGraphics, lit,
              {*pool.block(frame.rooms.objects()[object].texture).set});
     const tsl::ObjectRoom& room = frame.rooms.objects()[object];
     const LitBlock& block = pool.block(room.texture);
@@ -53,17 +54,18 @@ void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
         .waiting = frame.lumelBudget < ~0u ? 1u : 0u,
         .tileOffsets = {}};
     std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), push.tileOffsets);
-    pushConstants(commands, lit_, push);
+    pushConstants(commands, lit, push);
     frame.scene.drawTriangles(commands, object);
 }
 
-void DrawPass::drawForward(Frame& frame, size_t object, float opacity)
+void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, float opacity)
 {
     const vk::CommandBuffer commands = frame.commands;
     const GpuObject& o = frame.scene.objects()[object];
-    const gpu::Pipeline& pipeline = o.blend || opacity < 1.0f ? blended_ : forward_;
-    bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline, {*o.material->set});
-    pushConstants(commands, pipeline,
+    const gpu::Pipeline& forward =
+        pipeline(frame, pool, o.blend || opacity < 1.0f ? Kind::blended : Kind::forward);
+    bindSets(frame, vk::PipelineBindPoint::eGraphics, forward, {*o.material->set});
+    pushConstants(commands, forward,
                   shared::DrawPush{.object = uint32_t(object),
                                    .opacity = opacity,
                                    .level = frame.settings.shading == Shading::reference ? 0.0f : -1.0f,
@@ -71,11 +73,12 @@ void DrawPass::drawForward(Frame& frame, size_t object, float opacity)
     frame.scene.drawTriangles(commands, object);
 }
 
-void DrawPass::drawView(Frame& frame, size_t object)
+void DrawPass::drawView(Frame& frame, const LitPool& pool, size_t object)
 {
-    bindSets(frame, vk::PipelineBindPoint::eGraphics, view_, {*frame.scene.objects()[object].material->set});
+    const gpu::Pipeline& view = pipeline(frame, pool, Kind::view);
+    bindSets(frame, vk::PipelineBindPoint::eGraphics, view, {*frame.scene.objects()[object].material->set});
     pushConstants(
-        frame.commands, view_,
+        frame.commands, view,
         shared::ViewPush{
             .draw = {.object = uint32_t(object), .opacity = 1.0f, .level = -1.0f, .frame = frame.index},
             .kind = uint32_t(frame.settings.view)});
@@ -109,9 +112,10 @@ void DrawPass::drawPool(Frame& frame, const LitPool& pool)
         const glm::vec2 row(std::fmod(float(i), columns), std::floor(float(i) / columns));
         const glm::vec2 size = kFilled * cell * glm::vec2(1.0f, extent.y / extent.x * picture.x / picture.y);
         const glm::vec2 corner = row * cell * glm::vec2(1.0f, tallest * picture.x / picture.y) - 1.0f;
-        bindSets(frame, vk::PipelineBindPoint::eGraphics, view_, {*block.set});
+        const gpu::Pipeline& view = pipeline(frame, pool, Kind::pool);
+        bindSets(frame, vk::PipelineBindPoint::eGraphics, view, {*block.set});
         const bool drawn = pool.bookkeeping().texture(textures[i]).lastUsed == frame.index;
-        pushConstants(frame.commands, view_,
+        pushConstants(frame.commands, view,
                       shared::PoolPush{.rectangle = {corner, size},
                                        .layer = float(textures[i].layer),
                                        .shade = drawn ? 1.0f : 0.3f});
@@ -174,7 +178,7 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
             continue;
         const bool lit = frame.settings.shading == Shading::tsl && i < rooms.size() && rooms[i].texture;
         if (frame.settings.view != View::none) {
-            drawView(frame, i);
+            drawView(frame, pool, i);
         } else if (objects[i].blend) {
             const glm::vec3 centre =
                 objects[i].data.worldFromObject * glm::vec4(objects[i].bounds.centre(), 1.0f);
@@ -184,14 +188,14 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
             if (rooms[i].share < 1.0f)
                 fading.push_back(i);
         } else {
-            drawForward(frame, i, 1.0f);
+            drawForward(frame, pool, i, 1.0f);
         }
     }
     for (const size_t object : fading)
-        drawForward(frame, object, 1.0f - rooms[object].share);
+        drawForward(frame, pool, object, 1.0f - rooms[object].share);
     std::sort(blended.begin(), blended.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     for (const auto& [distance, object] : blended)
-        drawForward(frame, object, 1.0f);
+        drawForward(frame, pool, object, 1.0f);
     commands.endRendering();
 }
 

@@ -7,16 +7,18 @@ namespace lumel {
 
 class DrawPass {
 public:
-    DrawPass(const gpu::Device& device, const Settings& settings, const GpuScene& scene, const LitPool& pool);
     void record(Frame& frame, const LitPool& pool);
 
 private:
+    enum class Kind { lit, forward, blended, view, pool };
+    // Made when first needed and kept: settings change back and forth.
+    const gpu::Pipeline& pipeline(const Frame& frame, const LitPool& pool, Kind kind);
     void drawLit(Frame& frame, const LitPool& pool, size_t object);
     // opacity < 1: over what is there.
-    void drawForward(Frame& frame, size_t object, float opacity);
-    void drawView(Frame& frame, size_t object);
-    void drawPool(Frame& frame, const LitPool& pool); // every texture, side by side
-    gpu::Pipeline lit_, forward_, blended_, view_;
+    void drawForward(Frame& frame, const LitPool& pool, size_t object, float opacity);
+    void drawView(Frame& frame, const LitPool& pool, size_t object);
+    void drawPool(Frame& frame, const LitPool& pool);                       // every texture, side by side
+    std::map<std::tuple<Kind, bool, DrawFilter>, gpu::Pipeline> pipelines_; // by multisampling and filter
 };
 
 } // namespace lumel

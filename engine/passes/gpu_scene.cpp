@@ -160,14 +160,23 @@ void GpuScene::lightScene(const scene::Scene& scene)
 {
     const auto source = scene.lights.empty() ? scene::threeLightRig() : scene.lights;
     setLights(source, 0);
-    // A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the
-    // brightest directional light's irradiance, a third of that from below.
+}
+
+// A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the
+// brightest directional light's irradiance, a third of that from below.
+void GpuScene::setSky(const std::vector<scene::Light>& lights, uint32_t frame)
+{
     float brightest = 0.0f;
-    for (const scene::Light& light : source)
+    for (const scene::Light& light : lights)
         if (light.type == scene::LightType::directional)
             brightest = std::max(brightest, light.intensity);
-    sky_ = glm::vec3(0.04f * brightest);
+    const glm::vec3 sky(0.04f * brightest);
+    if (sky == sky_)
+        return;
+    sky_ = sky;
     ground_ = sky_ / 3.0f;
+    for (GpuObject& object : objects_) // all are lit by it
+        object.data.changed = changed_ = frame;
 }
 
 void GpuScene::setLights(const std::vector<scene::Light>& lights, uint32_t frame)
@@ -186,6 +195,7 @@ void GpuScene::setLights(const std::vector<scene::Light>& lights, uint32_t frame
         }
     }
     lightCount_ = uint32_t(lights.size());
+    setSky(lights, frame);
 }
 
 void GpuScene::moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame)

@@ -83,6 +83,7 @@ private:
     }
     void makeFrameSet(const gpu::Device& device);
     void lightScene(const scene::Scene& scene);
+    void setSky(const std::vector<scene::Light>& lights, uint32_t frame);
     void addObject(const gpu::Device& device, const scene::Scene& scene, const scene::Object& object);
     const GpuTexelMap* texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
                                    glm::uvec2 grid);

@@ -51,6 +51,13 @@ void LitPool::update()
             blocks_[i] = make(wanted[i].size);
 }
 
+void LitPool::clear(size_t capBytes)
+{
+    pool_ = tsl::TexturePool(capBytes);
+    blocks_.clear();
+    prepared_.clear();
+}
+
 void LitPool::recordTakeover(vk::CommandBuffer commands, const tsl::ObjectRoom& room) const
 {
     const LitBlock& to = block(room.texture);

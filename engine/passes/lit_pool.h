@@ -26,6 +26,8 @@ public:
     const tsl::TexturePool& bookkeeping() const { return pool_; }
     // Makes and frees blocks so that they match the bookkeeping. Call when no frame is in flight.
     void update();
+    // Gives all textures up. Call when no frame is in flight.
+    void clear(size_t capBytes);
     // Empties textures that changed hands, taking over lumels of levels that the owner had lit before.
     void recordHandovers(Frame& frame);
 

@@ -21,11 +21,7 @@ glm::vec2 jitterInPixels(uint64_t frame)
 } // namespace
 
 NeedPass::NeedPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& scene)
-    : seen_(makeTarget(device, size, vk::Format::eR32G32B32A32Uint,
-                       vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eStorage)),
-      depth_(
-          makeTarget(device, size, vk::Format::eD32Sfloat, vk::ImageUsageFlagBits::eDepthStencilAttachment)),
-      layout_(gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage})),
+    : layout_(gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage})),
       set_(gpu::makeSet(device, layout_)),
       raster_(gpu::makeGraphicsPipeline(device, {.vertex = "need.vert",
                                                  .fragment = "need.frag",
@@ -36,6 +32,15 @@ NeedPass::NeedPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& s
                                      sizeof(shared::NeedPush))),
       needs_(device, scene.objects().size() * sizeof(shared::Need), gpu::Buffer::Home::host, "needs")
 {
+    resize(device, size);
+}
+
+void NeedPass::resize(const gpu::Device& device, glm::uvec2 size)
+{
+    using Usage = vk::ImageUsageFlagBits;
+    seen_ =
+        makeTarget(device, size, vk::Format::eR32G32B32A32Uint, Usage::eColorAttachment | Usage::eStorage);
+    depth_ = makeTarget(device, size, vk::Format::eD32Sfloat, Usage::eDepthStencilAttachment);
     gpu::writeStorage(device, *set_, 0, seen_.view());
 }
 

@@ -11,6 +11,7 @@ public:
     // Frames after which the sub-pixel offsets have met every pixel.
     static constexpr uint32_t kCycle = kDivisor * kDivisor;
     NeedPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& scene);
+    void resize(const gpu::Device& device, glm::uvec2 size);
     // everyPixel: full resolution, for the first frame of a view that nothing is known of.
     void record(Frame& frame, bool everyPixel);
     // Fills frame.needs after the recorded commands have finished.

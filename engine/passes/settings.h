@@ -5,6 +5,7 @@
 
 namespace lumel {
 
+enum class ToneMap { neutral, aces, clamp }; // same order as kToneMap...
 enum class Shading { tsl, forward, reference };
 enum class DrawFilter { bilinear, bspline, catmullRom, catmullRomExact }; // same order as kFilter...
 
@@ -36,6 +37,7 @@ struct Settings {
     int msaa = 4;            // coverage samples of tsl and forward: 1 or 4
     int samples = 64;        // reference: shifted frames per picture
     float exposure = 1.0f;
+    ToneMap toneMap = ToneMap::neutral;
     size_t poolBytes = size_t(256) << 20;
     float levelOffset = 0.25f;       // levels that lumels are coarser than one a pixel, at least
     float lumelsPerPixel = 8.0f;     // everything gets coarser before a view needs more

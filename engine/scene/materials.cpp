@@ -48,6 +48,12 @@ std::vector<BakedMaterial> bakeMaterials(const Scene& scene, const MaterialOptio
             throw Error(fmt::format("{}: its materials have more than {} texels; scale its images down",
                                     scene.file.string(), kMaxSceneTexels));
         const Material& material = scene.materials[i];
+        if (!material.bakedFile.empty()) {
+            all.push_back({.reflectance = baker::readExr(material.bakedFile),
+                           .glow = mipChain(glowImage(scene, material)),
+                           .opacity = {}});
+            continue;
+        }
         const std::string key = cache.key(material);
         if (const auto [twin, isNew] = done.try_emplace(key, i); !isNew) {
             all.push_back(all[twin->second]);

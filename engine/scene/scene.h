@@ -95,8 +95,9 @@ struct Material {
     // material.extras.lumel = { "heightTexture": {"index": i}, "heightScale": s, "power": p }: a height map
     // for the baker in place of a normal map (ours; other viewers ignore it and use normalTexture).
     int heightImage = -1;
-    float heightScale = 0.0f; // height of value 1 in units of the map's width
-    float power = 0.0f;       // Blinn-Phong power in place of the roughness; 0 = use the roughness
+    float heightScale = 0.0f;        // height of value 1 in units of the map's width
+    std::filesystem::path bakedFile; // a chain of `lumel bake` in place of what the maps would give
+    float power = 0.0f;              // Blinn-Phong power in place of the roughness; 0 = use the roughness
 };
 
 // Decoded lazily: files stay encoded until a material is baked, and a cached material never decodes.
@@ -136,6 +137,7 @@ struct Light {
     glm::vec3 position{0.0f};
     glm::vec3 direction{0.0f, -1.0f, 0.0f}; // the way the light travels, unit length
     int node = -1;                          // in Scene::animation, -1 none
+    bool operator==(const Light&) const = default;
 };
 
 struct Scene {

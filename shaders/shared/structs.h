@@ -275,6 +275,7 @@ struct PoolPush {
 struct DisplayPush {
     float weight; // of the accumulated sum: 1 / samples
     uvec2 size;   // pixels of the source that hold the picture
+    uint toneMap; // kToneMap...
 };
 
 LUMEL_SHARED_END

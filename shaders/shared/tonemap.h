@@ -24,6 +24,17 @@ LUMEL_FN vec3 toneMap(vec3 colour)
     return mix(colour, vec3(newPeak, newPeak, newPeak), g);
 }
 
+LUMEL_CONST uint kToneMapNeutral = 0u;
+LUMEL_CONST uint kToneMapAces = 1u;
+LUMEL_CONST uint kToneMapClamp = 2u;
+
+// Narkowicz 2015, "ACES Filmic Tone Mapping Curve": a fit of its look for displays.
+LUMEL_FN vec3 toneMapAces(vec3 x)
+{
+    return (x * (2.51f * x + vec3(0.03f, 0.03f, 0.03f))) /
+           (x * (2.43f * x + vec3(0.59f, 0.59f, 0.59f)) + vec3(0.14f, 0.14f, 0.14f));
+}
+
 // IEC 61966-2-1, piecewise.
 LUMEL_FN float encodeSrgb(float linear)
 {
@@ -31,11 +42,21 @@ LUMEL_FN float encodeSrgb(float linear)
 }
 
 // Scene radiance to 8-bit-ready sRGB, exposure included.
+LUMEL_FN vec3 displayColour(vec3 radiance, float exposure, uint mapper)
+{
+    vec3 scene = max(radiance * exposure, vec3(0.0f, 0.0f, 0.0f));
+    if (mapper == kToneMapNeutral)
+        scene = toneMap(scene);
+    else if (mapper == kToneMapAces)
+        scene = toneMapAces(scene);
+    vec3 mapped = clamp(scene, vec3(0.0f, 0.0f, 0.0f), vec3(1.0f, 1.0f, 1.0f));
+    return vec3(encodeSrgb(mapped.x), encodeSrgb(mapped.y), encodeSrgb(mapped.z));
+}
+
+// By the usual mapper.
 LUMEL_FN vec3 displayColour(vec3 radiance, float exposure)
 {
-    vec3 mapped = clamp(toneMap(max(radiance * exposure, vec3(0.0f, 0.0f, 0.0f))), vec3(0.0f, 0.0f, 0.0f),
-                        vec3(1.0f, 1.0f, 1.0f));
-    return vec3(encodeSrgb(mapped.x), encodeSrgb(mapped.y), encodeSrgb(mapped.z));
+    return displayColour(radiance, exposure, kToneMapNeutral);
 }
 
 LUMEL_SHARED_END

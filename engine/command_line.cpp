@@ -1,0 +1,98 @@
+#include "command_line.h"
+#include "passes/names.h"
+#include "scene/light_text.h"
+#include <fmt/format.h>
+
+namespace lumel {
+namespace {
+
+// A word of a POSIX shell.
+std::string quoted(const std::string& text)
+{
+    const bool plain =
+        !text.empty() && text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvw"
+                                                "xyz0123456789_-+./,:=%") == std::string::npos;
+    if (plain)
+        return text;
+    std::string result = "'";
+    for (const char c : text)
+        result += c == '\'' ? "'\\''" : std::string(1, c);
+    return result + "'";
+}
+
+// Names an option whose value differs from the default.
+class Options {
+public:
+    template<class T>
+    void add(const char* name, const T& value, const T& usual)
+    {
+        if (value != usual)
+            set(name, fmt::format("{}", value)); // the shortest text that is read as the same number
+    }
+    template<class Enum, size_t count>
+    void add(const char* name, Enum value, Enum usual, const std::array<const char*, count>& names)
+    {
+        if (value != usual)
+            set(name, names.at(size_t(value)));
+    }
+    void set(const char* name, const std::string& value)
+    {
+        text_ += fmt::format(" {} {}", name, quoted(value));
+    }
+    const std::string& text() const { return text_; }
+
+private:
+    std::string text_;
+};
+
+void addSettings(Options& options, const Settings& s)
+{
+    const Settings usual;
+    options.add("--shading", s.shading, usual.shading, kShadingNames);
+    options.add("--view", s.view, usual.view, kViewNames);
+    if (s.shading == Shading::reference)
+        options.add("--samples", s.samples, usual.samples);
+    options.add("--draw-filter", s.filter, usual.filter, kDrawFilterNames);
+    options.add("--level-offset", s.levelOffset, usual.levelOffset);
+    options.add("--lumels-per-pixel", s.lumelsPerPixel, usual.lumelsPerPixel);
+    options.add("--lumel-budget", s.lumelBudget, usual.lumelBudget);
+    options.add("--refresh-share", s.refreshShare, usual.refreshShare);
+    options.add("--tolerance", s.tolerance, usual.tolerance);
+    options.add("--anisotropy", s.anisotropy, usual.anisotropy);
+    options.add("--msaa", s.msaa, usual.msaa);
+    options.add("--exposure", s.exposure, usual.exposure);
+    options.add("--tone-map", s.toneMap, usual.toneMap, kToneMapNames);
+    options.add("--pool-mb", s.poolBytes >> 20, usual.poolBytes >> 20);
+}
+
+} // namespace
+
+std::string shotCommand(const SceneArguments& a, const scene::ViewCamera& camera,
+                        const std::filesystem::path& output)
+{
+    const SceneArguments usual;
+    Options options;
+    options.set("-o", output.string());
+    options.set("--size", fmt::format("{}x{}", a.settings.size.x, a.settings.size.y));
+    const scene::Camera& c = camera.camera();
+    const auto point = [](glm::vec3 p) { return fmt::format("{},{},{}", p.x, p.y, p.z); };
+    if (camera.moved()) {
+        options.set("--eye", point(c.eye));
+        options.set("--target", point(c.target));
+        options.add("--fov", camera.fovDegrees(), usual.fovDegrees);
+    } else if (!a.camera.empty()) {
+        options.set("--camera", a.camera);
+    }
+    options.add("--lights", a.lights, usual.lights);
+    for (const scene::Light& light : a.lightList)
+        options.set("--light", scene::lightText(light));
+    for (const auto& [name, file] : a.materialFiles)
+        options.set("--material", name + "=" + std::filesystem::absolute(file).string());
+    options.add("--filter", a.filter, usual.filter, kFilterNames);
+    options.add("--model", a.model, usual.model, kModelNames);
+    addSettings(options, a.settings);
+    options.add("--device", a.device.device, usual.device.device);
+    return "lumel shot " + quoted(std::filesystem::absolute(a.scene).string()) + options.text();
+}
+
+} // namespace lumel
