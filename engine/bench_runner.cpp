@@ -79,6 +79,10 @@ bool BenchRunner::needsReference(int frame) const
 void BenchRunner::addScene(const std::filesystem::path& file)
 {
     scene::Scene scene = scene::loadGltf(file);
+    SceneArguments changes = arguments_;
+    changes.scene = file;
+    changes.lights = 0; // below, in turn
+    changeScene(changes, scene);
     materials_.clear();
     for (const BenchShading& shading : arguments_.shadings) {
         const baker::Method method = shading.filter.value_or(arguments_.filter);

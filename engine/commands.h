@@ -86,6 +86,7 @@ struct BenchArguments : SceneArguments {
 };
 // False when a ratio exceeds the limit.
 bool runBench(const BenchArguments& arguments);
+
 struct ViewArguments : SceneArguments {
     bool listDevices = false; // and nothing else
     gpu::PresentMode presentMode = gpu::PresentMode::fifo;

@@ -78,12 +78,12 @@ private:
     tsl::Quality quality_;      // of this frame
     bool budgetMissed_ = false; // said so
     uint32_t frameIndex_ = 0;
+    glm::uvec2 renderSize_{0};
     bool settled_ = false;
     bool first_ = true; // nothing is known of any view
     int sumSamples_ = 0;
     glm::mat4 sumView_{0.0f};
     uint32_t sumFrame_ = 0; // in which the sum was begun
-    glm::uvec2 renderSize_{0};
     // What the lumels in the pool stand for, and whether that is all that this view needs.
     glm::mat4 knownView_{0.0f};
     tsl::Quality knownQuality_;

@@ -8,10 +8,6 @@ namespace lumel {
 // The camera that the options name. Throws Error when the scene has none of that name.
 scene::Camera chooseCamera(const SceneArguments& arguments, const scene::Scene& scene);
 
-// What the options change about a scene just loaded: its lights, the baked files of its materials. Throws
-// Error when there is no such material.
-void changeScene(const SceneArguments& arguments, scene::Scene& scene);
-
 // The head of the statistics.
 RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, const scene::Camera& camera,
                     const gpu::Device& device);
@@ -21,5 +17,9 @@ std::vector<ObjectStats> objectsOf(const std::vector<scene::Object>& objects, co
 
 // Throws Error when --validate found something.
 void checkValidation(const gpu::Device& device);
+
+// What the options change about a scene just loaded: its lights, the baked files of its materials. Throws
+// Error when there is no such material.
+void changeScene(const SceneArguments& arguments, scene::Scene& scene);
 
 } // namespace lumel

@@ -174,9 +174,27 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::View
             }
     }
     finished_ = settled && !state.restless;
+    forgetUnused(state);
     if (rendered)
         measure(state, report);
     return rendered;
+}
+
+// The cache has them too, and chains take a hundred MiB a material.
+void ViewRenderers::forgetUnused(const ui::ViewState& state)
+{
+    const auto used = [&](baker::Method method) {
+        for (size_t side = 0; side < (state.split ? 2u : 1u); ++side)
+            if (state.sides[side].filter == method || slots_[side].method == method)
+                return true;
+        return false;
+    };
+    if (!missing(state))
+        std::erase_if(materials_, [&](const auto& entry) { return !used(entry.first); });
+    if (!state.split)
+        slots_[1] = {};
+    if (!state.split && !isReference_[0])
+        slots_[kReference] = {};
 }
 
 void ViewRenderers::measure(const ui::ViewState& state, ui::ViewReport& report)
@@ -220,6 +238,7 @@ Image ViewRenderers::screenshot(const ui::ViewState& state, size_t side, bool ra
         slot.renderer->restart();
         slot.stats = slot.renderer->render(state.camera.camera());
     }
+    slot.rendered = true;
     return radiance ? slot.renderer->readRadiance() : slot.renderer->readDisplay();
 }
 

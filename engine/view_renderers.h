@@ -55,6 +55,7 @@ private:
     const Slot* rendererOf(size_t side) const;
     void prepare(Slot& slot, const ui::ViewState& state, baker::Method method, const Settings& settings);
     bool renderSlot(Slot& slot, const ui::ViewState& state);
+    void forgetUnused(const ui::ViewState& state);
     void measure(const ui::ViewState& state, ui::ViewReport& report);
 
     const gpu::Device& device_;

@@ -51,7 +51,7 @@ void monitorThisThread(ProgressMonitor* monitor)
 
 Progress::Progress(std::string label, size_t total)
     : label_(std::move(label)), total_(total), start_(std::chrono::steady_clock::now()),
-      terminal_(living++ == 0 && !threadMonitor && isatty(STDERR_FILENO) != 0), monitor_(threadMonitor)
+      terminal_(living++ == 0 && isatty(STDERR_FILENO) != 0 && !threadMonitor), monitor_(threadMonitor)
 {
     if (monitor_)
         monitor_->set(label_, 0, total_);

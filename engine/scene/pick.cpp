@@ -107,12 +107,14 @@ std::optional<Hit> pick(const Scene& scene, const Ray& ray)
     hit.object = nearest.object;
     hit.position = ray.origin + nearest.distance * ray.direction;
     hit.distance = nearest.distance * glm::length(ray.direction);
-    hit.uv = weights.x * corner(0).uv + weights.y * corner(1).uv + weights.z * corner(2).uv;
+    hit.uv = weights.x * corner(0).materialUv + weights.y * corner(1).materialUv +
+             weights.z * corner(2).materialUv;
     const auto world = [&](size_t k) {
         return glm::vec3(object.worldFromObject * glm::vec4(corner(k).position, 1.0f));
     };
     const float area = glm::length(glm::cross(world(1) - world(0), world(2) - world(0)));
-    const glm::vec2 uvA = corner(1).uv - corner(0).uv, uvB = corner(2).uv - corner(0).uv;
+    const glm::vec2 uvA = corner(1).materialUv - corner(0).materialUv,
+                    uvB = corner(2).materialUv - corner(0).materialUv;
     const float uvArea = std::abs(uvA.x * uvB.y - uvA.y * uvB.x);
     hit.uvPerMetre = area > 0.0f ? std::sqrt(uvArea / area) : 0.0f;
     return hit;

@@ -14,9 +14,9 @@ Ray rayThrough(const Camera& camera, glm::vec2 point, float aspect);
 struct Hit {
     size_t object = 0;
     glm::vec3 position{0.0f}; // world
-    glm::vec2 uv{0.0f};
-    float uvPerMetre = 0.0f; // on the surface, the mean of all directions
-    float distance = 0.0f;   // metres
+    glm::vec2 uv{0.0f};       // of the material's maps
+    float uvPerMetre = 0.0f;  // on the surface, the mean of all directions
+    float distance = 0.0f;    // metres
 };
 // Back faces of single-sided materials let it pass.
 std::optional<Hit> pick(const Scene& scene, const Ray& ray);

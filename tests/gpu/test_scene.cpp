@@ -57,11 +57,13 @@ scene::Mesh patchworkMesh(int cells, float gutter)
             const glm::vec2 c(corner & 1, corner >> 1);
             const glm::vec2 p = (glm::vec2(i % cells, i / cells) + c) / float(cells);
             const glm::vec2 inset = gutter * (1.0f - 2.0f * c);
-            mesh.vertices.push_back(
-                {.position = {2.0f * p.x - 1.0f, 1.0f - 2.0f * p.y, 0.0f},
-                 .normal = {0, 0, 1},
-                 .tangent = {1, 0, 0, 1},
-                 .uv = (glm::vec2(place % cells, place / cells) + c) / float(cells) + inset});
+            const glm::vec2 uv = (glm::vec2(place % cells, place / cells) + c) / float(cells) + inset;
+            mesh.vertices.push_back({.position = {2.0f * p.x - 1.0f, 1.0f - 2.0f * p.y, 0.0f},
+                                     .normal = {0, 0, 1},
+                                     .tangent = {1, 0, 0, 1},
+                                     .uv = uv,
+                                     .materialUv = uv,
+                                     .glowUv = uv});
             mesh.bounds.add(mesh.vertices.back().position);
         }
         for (const uint32_t k : {0u, 2u, 3u, 0u, 3u, 1u})

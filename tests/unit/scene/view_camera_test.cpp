@@ -76,7 +76,7 @@ Scene twoSquares()
     for (const glm::vec2 p : {glm::vec2(-1, -1), glm::vec2(1, -1), glm::vec2(1, 1), glm::vec2(-1, 1)}) {
         Vertex vertex{};
         vertex.position = glm::vec3(p, 0.0f);
-        vertex.uv = 0.5f + 0.25f * p;
+        vertex.materialUv = 0.5f + 0.25f * p;
         mesh.vertices.push_back(vertex);
         mesh.bounds.add(vertex.position);
     }
