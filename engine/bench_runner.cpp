@@ -125,6 +125,8 @@ void BenchRunner::addView(scene::Scene& scene, const BenchArguments& arguments)
         way.filter = shading.filter.value_or(arguments.filter);
         if (shading.samples > 0)
             way.settings.samples = shading.samples;
+        if (shading.shading == Shading::reference)
+            way.settings.budgetMs = 0.0; // it has one quality only
         view.runs.push_back(std::make_unique<Run>(device_, scene, way, materials_.at(way.filter)));
         RunInfo& info = view.runs.back()->info;
         info = describeRun(way, path, camera, device_);
@@ -137,6 +139,7 @@ void BenchRunner::addView(scene::Scene& scene, const BenchArguments& arguments)
     if (arguments.errorEvery > 0 || arguments.flicker) {
         Settings settings = arguments.settings;
         settings.shading = Shading::reference;
+        settings.budgetMs = 0.0;
         view.reference = std::make_unique<Renderer>(device_, scene, materials_.begin()->second, settings);
     }
 }

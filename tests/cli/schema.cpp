@@ -44,6 +44,8 @@ json formOfRun()
                         {"pool", {{"used_bytes", 0}, {"cap_bytes", 0}, {"textures", 0}}},
                         {"objects", {{"tsl", 0}, {"forward", 0}, {"culled", 0}}},
                         {"render_scale", 0},
+                        {"lumel_budget", nullptr},
+                        {"budget_bias", 0},
                         {"level_bias", 0},
                         {"level_offset", 0},
                         {"error_rmse", nullptr},
