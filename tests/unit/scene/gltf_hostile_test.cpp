@@ -137,17 +137,12 @@ TEST_F(HostileGltf, UnknownOptionalExtensionsDoNotMatter)
     expectGltfRefused("extensionsUsed");
 }
 
-// Many primitives that read a large buffer anew are work without end for a file of a few kilobytes.
-TEST_F(HostileGltf, ManyPrimitivesOfManyVerticesWithoutData)
+TEST_F(HostileGltf, VerticesWithoutDataAreLimited)
 {
-    const uint64_t count = uint64_t(1) << 24;
-    gltf.root["accessors"] = {{{"componentType", 5126}, {"type", "VEC3"}, {"count", count + 1}},
-                              {{"componentType", 5125}, {"type", "SCALAR"}, {"count", 7 * count}}};
+    const uint64_t limit = uint64_t(1) << 24;
+    gltf.root["accessors"] = {{{"componentType", 5126}, {"type", "VEC3"}, {"count", limit + 1}}};
     gltf.primitive() = {{"attributes", {{"POSITION", 0}}}};
     expectGltfRefused("exceeds the limit of 16777216");
-    gltf.root["accessors"][0]["count"] = 3;
-    gltf.primitive()["indices"] = 1;
-    expectGltfRefused("has more than 16777216 elements");
 }
 
 TEST_F(HostileGltf, UrisThatLeaveTheFolder)
