@@ -7,10 +7,7 @@
 layout(constant_id = 0) const uint kFilter = kFilterCatmullRom;
 layout(push_constant, scalar) uniform Constants { LitPush push; };
 layout(set = 1, binding = 1) uniform sampler2DArray lit;
-layout(location = 3) in vec2 uv; // of the pixel's centre: its derivatives are smooth
-// At the border of a chart the centre may lie outside the triangle, where another chart begins: lumels are looked up
-// at a place that the triangle covers.
-layout(location = 5) centroid in vec2 uvCovered;
+layout(location = 3) in vec2 uv;
 layout(location = 0) out vec4 colour;
 
 vec2 sizeOf(uint mip)
@@ -22,7 +19,7 @@ vec2 sizeOf(uint mip)
 float shownShare(uint mip)
 {
     vec2 size = sizeOf(mip);
-    uvec2 tile = uvec2(clamp(uvCovered * size, vec2(0.0), size - 1.0)) / kTileSize;
+    uvec2 tile = uvec2(clamp(uv * size, vec2(0.0), size - 1.0)) / kTileSize;
     uint across = (uint(size.x) + kTileSize - 1u) / kTileSize;
     uint shown = push.tiles.at[push.tileOffsets[mip] + tile.y * across + tile.x].shown;
     return shown == kShownAtOnce ? 1.0
@@ -80,7 +77,7 @@ void main()
                             fineMip.inverseBlock, fineMip.layer);
         int lookup = isFine ? i : i - fineLookups;
         float t = (2.0 * float(lookup) + 1.0) / float(footprint.taps) - 1.0;
-        vec2 p = (along ? uvCovered + t * footprint.axis : uvCovered) * mip.size;
+        vec2 p = (along ? uv + t * footprint.axis : uv) * mip.size;
         Lookup cubic = lookupOf(kFilter, p, lookup);
         vec2 place = along ? p : cubic.place;
         float weight = (isFine ? 1.0 - coarser : coarser) * (along ? 1.0 / float(footprint.taps) : cubic.weight);

@@ -9,7 +9,6 @@ layout(location = 1) out vec3 normalInWorld;
 layout(location = 2) out vec4 tangentInWorld;
 layout(location = 3) out vec2 uv;
 layout(location = 4) out vec4 materialUv; // of the reflectance (xy) and of glow (zw)
-layout(location = 5) out vec2 uvCovered;
 
 void main()
 {
@@ -19,7 +18,7 @@ void main()
     positionInWorld = world.xyz;
     normalInWorld = object.at.worldFromObjectNormal * vertex.normal;
     tangentInWorld = vec4(mat3(object.at.worldFromObject) * vertex.tangent.xyz, vertex.tangent.w);
-    uv = uvCovered = vertex.uv;
+    uv = vertex.uv;
     materialUv = vec4(vertex.materialUv, vertex.glowUv);
     gl_Position = view.clipFromWorld * world;
 }
