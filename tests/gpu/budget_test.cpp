@@ -7,14 +7,11 @@
 using namespace lumel;
 using namespace lumel::test;
 
+using BudgetTest = GpuTest;
+
 namespace {
 
-class BudgetTest : public testing::Test {
-protected:
-    void TearDown() override { EXPECT_EQ(device().validationMessages(), std::vector<std::string>{}); }
-};
-
-Settings settingsFor(double budgetMs, glm::uvec2 size = {160, 90})
+Settings budgetOf(double budgetMs, glm::uvec2 size = {160, 90})
 {
     Settings settings;
     settings.size = size;
@@ -47,9 +44,9 @@ TEST_F(BudgetTest, FarTooLittleTimeRendersAPartAndShowsAWholePicture)
 {
     const TestScene s = plates(2, bumpyMaps(64, 0.5f, 60.0f));
     const scene::Camera camera = cameraAt({0.0f, 0.0f, 3.5f});
-    Renderer whole(device(), s.scene, s.materials, settingsFor(0.0));
+    Renderer whole(device(), s.scene, s.materials, budgetOf(0.0));
     whole.render(camera);
-    Renderer renderer(device(), s.scene, s.materials, settingsFor(0.1)); // out of reach of any machine
+    Renderer renderer(device(), s.scene, s.materials, budgetOf(0.1)); // out of reach of any machine
     FrameStats stats;
     for (int i = 0; i < 120; ++i)
         stats = renderer.render(camera);
@@ -66,11 +63,11 @@ TEST_F(BudgetTest, AStillViewEndsAtThePictureWithoutABudget)
 {
     const TestScene s = plates(2, bumpyMaps(256, 1.0f, 100.0f));
     const scene::Camera camera = cameraAt({0.3f, 0.2f, 3.0f});
-    Renderer whole(device(), s.scene, s.materials, settingsFor(0.0));
+    Renderer whole(device(), s.scene, s.materials, budgetOf(0.0));
     const FrameStats all = whole.render(camera);
     // Time is not what this test is about: lumels are rationed, and the budget is met however slow the
     // machine.
-    Settings settings = settingsFor(5000.0);
+    Settings settings = budgetOf(5000.0);
     settings.lumelBudget = uint32_t(all.lumelsLit / 40);
     Renderer renderer(device(), s.scene, s.materials, settings);
     FrameStats stats = renderer.render(camera);
@@ -91,10 +88,10 @@ TEST_F(BudgetTest, NothingIsBlackHoweverFewLumelsAFrameLights)
     // derived.
     const TestScene s = plates(6, plainMaps(glm::vec3(0.9f)));
     const scene::Camera camera = cameraAt({0.0f, 0.0f, 2.9f});
-    Renderer whole(device(), s.scene, s.materials, settingsFor(0.0));
+    Renderer whole(device(), s.scene, s.materials, budgetOf(0.0));
     whole.render(camera);
     const Image expected = whole.readRadiance();
-    Settings settings = settingsFor(5000.0);
+    Settings settings = budgetOf(5000.0);
     settings.lumelBudget = 64;
     Renderer renderer(device(), s.scene, s.materials, settings);
     for (int frame = 0; frame < 3; ++frame) {
@@ -108,7 +105,7 @@ TEST_F(BudgetTest, NothingIsBlackHoweverFewLumelsAFrameLights)
 TEST_F(BudgetTest, ForwardShadingScalesToo)
 {
     const TestScene s = plates(2, plainMaps());
-    Settings settings = settingsFor(0.1);
+    Settings settings = budgetOf(0.1);
     settings.shading = Shading::forward;
     Renderer renderer(device(), s.scene, s.materials, settings);
     FrameStats stats;
@@ -124,7 +121,7 @@ TEST_F(BudgetTest, AnAmpleBudgetIsNoOtherPicture)
     const scene::Camera camera = cameraAt({0.0f, 0.0f, 3.5f});
     Image pictures[2];
     for (int i = 0; i < 2; ++i) {
-        Renderer renderer(device(), s.scene, s.materials, settingsFor(i == 0 ? 0.0 : 10000.0));
+        Renderer renderer(device(), s.scene, s.materials, budgetOf(i == 0 ? 0.0 : 10000.0));
         for (int frame = 0; frame < 20; ++frame)
             renderer.render(camera);
         pictures[i] = renderer.readDisplay();

@@ -5,30 +5,9 @@
 using namespace lumel;
 using namespace lumel::test;
 
+using LitUvsTest = GpuTest;
+
 namespace {
-
-class LitUvsTest : public testing::Test {
-protected:
-    void TearDown() override { EXPECT_EQ(device().validationMessages(), std::vector<std::string>{}); }
-};
-
-struct Picture {
-    Image display;
-    FrameStats stats;
-};
-
-Picture shoot(const TestScene& s, const scene::Camera& camera, Shading shading, glm::uvec2 size = {160, 90})
-{
-    Settings settings;
-    settings.shading = shading;
-    settings.size = size;
-    settings.samples = 64;
-    Renderer renderer(device(), s.scene, s.materials, settings);
-    Picture picture;
-    picture.stats = renderer.render(camera);
-    picture.display = renderer.readDisplay();
-    return picture;
-}
 
 // Bumps under colours that differ in all four quarters of the map.
 baker::Maps patchedMaps(int size)
@@ -60,9 +39,9 @@ TestScene sceneOf(const scene::Mesh& mesh, const scene::UvMapping& uv = {})
 void expectClose(const TestScene& s, const scene::Camera& camera, double least, const char* name)
 {
     SCOPED_TRACE(name);
-    const Picture truth = shoot(s, camera, Shading::reference);
-    const Picture tsl = shoot(s, camera, Shading::tsl);
-    const Picture forward = shoot(s, camera, Shading::forward);
+    const Picture truth = shoot(s, camera, settingsFor(Shading::reference));
+    const Picture tsl = shoot(s, camera, settingsFor(Shading::tsl));
+    const Picture forward = shoot(s, camera, settingsFor(Shading::forward));
     EXPECT_EQ(tsl.stats.objectsTsl, 1u);
     const double lit = psnr(tsl.display, truth.display), direct = psnr(forward.display, truth.display);
     EXPECT_GT(lit, least) << "forward: " << direct;
@@ -148,7 +127,7 @@ TEST_F(LitUvsTest, WrapModesHoldInTextureSpace)
         const TestScene s = sceneOf(tiledPlane(2.0f), uv);
         const scene::Camera camera = cameraAt({0.0f, 0.0f, 3.2f});
         expectClose(s, camera, 31.5, "wrap");
-        const Image shown = shoot(s, camera, Shading::tsl).display;
+        const Image shown = shoot(s, camera, settingsFor(Shading::tsl)).display;
         if (wrap == scene::Wrap::repeat)
             repeated = shown;
         else

@@ -146,6 +146,33 @@ scene::Light sun(glm::vec3 direction, float lux)
     return light;
 }
 
+TestScene sphereScene(const baker::Maps& maps)
+{
+    TestScene s;
+    s.add(sphereMesh(), maps);
+    s.scene.lights = {sun({-1, -1, -1}), sun({1, -0.3f, -1}, 1.0f)};
+    return s;
+}
+
+Settings settingsFor(Shading shading, glm::uvec2 size)
+{
+    Settings settings;
+    settings.shading = shading;
+    settings.size = size;
+    settings.samples = 64;
+    return settings;
+}
+
+Picture shoot(const TestScene& s, const scene::Camera& camera, const Settings& settings)
+{
+    Renderer renderer(device(), s.scene, s.materials, settings);
+    Picture picture;
+    picture.stats = renderer.render(camera);
+    picture.display = renderer.readDisplay();
+    picture.radiance = renderer.readRadiance();
+    return picture;
+}
+
 double psnr(const Image& a, const Image& b)
 {
     return compareImages(a, b).psnr;

@@ -10,6 +10,12 @@ namespace lumel::test {
 // Shared by all tests: a device costs a second on software Vulkan.
 const gpu::Device& device();
 
+// Every test ends by checking that validation said nothing.
+class GpuTest : public testing::Test {
+protected:
+    void TearDown() override { EXPECT_EQ(device().validationMessages(), std::vector<std::string>{}); }
+};
+
 // Grid of quads in the plane z = 0, [-1, 1]^2, facing +z; uv (0, 0) at the upper left.
 scene::Mesh planeMesh(int cells = 1);
 // The same plane, each quad a chart of its own somewhere else in texture space, `gutter` from its neighbours.
@@ -32,6 +38,18 @@ baker::Maps bumpyMaps(int size, float scale, float power);
 
 scene::Camera cameraAt(glm::vec3 eye, glm::vec3 target = glm::vec3(0.0f), float yFov = 0.7f);
 scene::Light sun(glm::vec3 direction, float lux = 3.0f);
+
+// Unit sphere under two suns.
+TestScene sphereScene(const baker::Maps& maps);
+
+Settings settingsFor(Shading shading, glm::uvec2 size = {160, 90});
+
+struct Picture {
+    Image display, radiance;
+    FrameStats stats;
+};
+// One frame of a new renderer.
+Picture shoot(const TestScene& s, const scene::Camera& camera, const Settings& settings);
 
 double psnr(const Image& a, const Image& b);
 
