@@ -2,10 +2,12 @@
 // checked completely when read, because it also serves as the bake cache.
 #include "bake.h"
 #include "core/error.h"
+#include "core/exr_header.h"
 #include "core/file.h"
 #include <OpenImageIO/imageio.h>
 #include <bit>
 #include <fmt/format.h>
+#include <fstream>
 #include <tbb/parallel_for.h>
 
 namespace lumel::baker {
@@ -190,6 +192,10 @@ ReflectanceMips bakeExr(const std::filesystem::path& file, const Maps& maps, con
 ReflectanceMips readExr(const std::filesystem::path& file)
 {
     const std::string name = file.string();
+    if (std::filesystem::is_regular_file(file)) {
+        std::ifstream stream(file, std::ios::binary);
+        checkExrHeader(stream, std::filesystem::file_size(file), name);
+    }
     auto input = std::filesystem::is_regular_file(file) ? OIIO::ImageInput::open(name) : nullptr;
     if (!input) {
         (void)OIIO::geterror();

@@ -1,5 +1,6 @@
 #include "image.h"
 #include "error.h"
+#include "exr_header.h"
 #include "file.h"
 #include "shared/tonemap.h"
 #include "webp.h"
@@ -7,7 +8,10 @@
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 #include <cmath>
+#include <cstring>
 #include <fmt/format.h>
+#include <fstream>
+#include <sstream>
 
 namespace lumel {
 namespace {
@@ -71,6 +75,8 @@ Image readImage(const std::filesystem::path& file)
         throw Error(fmt::format("{}: empty file (0 bytes); export it again", name));
     if (file.extension() == ".webp")
         return readImage(readFile(file), name);
+    if (std::ifstream stream(file, std::ios::binary); std::filesystem::is_regular_file(status))
+        checkExrHeader(stream, size_t(std::filesystem::file_size(file, code)), name);
     const OIIO::ImageSpec config = asStored();
     auto input = OIIO::ImageInput::open(name, &config);
     if (!input) {
@@ -87,6 +93,10 @@ Image readImage(std::span<const std::byte> bytes, const std::string& name)
         throw Error(fmt::format("{}: empty image; export it again", name));
     if (isWebp(bytes))
         return readWebp(bytes, name);
+    if (bytes.size() > 4 && std::memcmp(bytes.data(), "\x76\x2f\x31\x01", 4) == 0) { // OpenEXR's magic number
+        std::istringstream stream(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+        checkExrHeader(stream, bytes.size(), name);
+    }
     // The format is told by content, so the name's extension does not matter.
     OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
     for (const char* format : {"png", "jpeg", "openexr", "tiff", "tga"}) {

@@ -3,6 +3,7 @@
 #include "core/image.h"
 #include "oiio_leak.h"
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -251,6 +252,25 @@ TEST_F(Images, BombsAreRefusedBeforeTheyAreDecoded)
                         'P', 'V', 'P', '8', 'L', 14, 0, 0, 0,   0x2f};
     webp += std::string("\xfe\xbf\xff\x0f", 4) + std::string(9, '\0');
     expectRefused(write("bomb.webp", webp));
+}
+
+TEST_F(Images, ExrHeadersThatDeclareTooMuchAreRefused)
+{
+    writeImage(folder / "good.exr", gradient(8, 8, 3));
+    const std::string good = text(folder / "good.exr");
+    EXPECT_EQ(readImage(folder / "good.exr").width, 8);
+    const auto changed = [&](const std::string& attribute, size_t skip, uint32_t value) {
+        std::string bytes = good;
+        std::memcpy(bytes.data() + bytes.find(attribute) + attribute.size() + skip, &value, 4);
+        expectRefused(write("changed.exr", bytes));
+        const IgnoreOiioLeak ignore;
+        EXPECT_THROW(readImage(std::as_bytes(std::span(bytes)), "memory"), Error);
+    };
+    const std::string window("dataWindow\0box2i\0", 17), lines("compression\0compression\0", 24);
+    changed(window, 0, 0x7fffffff);           // an attribute of 2 GiB
+    changed(lines, 0, uint32_t(good.size())); // one that ends past the file's end
+    changed(window, 12, 0x7ffffffe);          // the last column
+    changed(window, 4, 100);                  // the first column, right of the last
 }
 
 } // namespace
