@@ -140,10 +140,10 @@ TEST_F(LitUvsTest, WrapModesHoldInTextureSpace)
 TEST_F(LitUvsTest, EqualAndShiftedSetsShowTheSame)
 {
     const scene::Camera camera = cameraAt({0.3f, -0.8f, 2.0f});
-    const Image same = shoot(sceneOf(planeMesh(4)), camera, Shading::tsl).display;
+    const Image same = shoot(sceneOf(planeMesh(4)), camera, settingsFor(Shading::tsl)).display;
     scene::Mesh shifted = planeMesh(4);
     for (shared::Vertex& v : shifted.vertices)
         v.materialUv.x += 1.0f; // a whole tile: the same texels, found through the material's UVs
-    const Image other = shoot(sceneOf(shifted), camera, Shading::tsl).display;
+    const Image other = shoot(sceneOf(shifted), camera, settingsFor(Shading::tsl)).display;
     EXPECT_GT(psnr(same, other), 38.0);
 }
