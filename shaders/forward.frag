@@ -5,7 +5,7 @@
 #include "lib/footprint.glsl"
 #include "lib/surface.glsl"
 
-layout(push_constant, scalar) uniform Constants { DrawPush push; };
+layout(push_constant, scalar) uniform Constants { ForwardPush push; };
 layout(location = 0) in vec3 positionInWorld;
 layout(location = 1) in vec3 normalInWorld;
 layout(location = 2) in vec4 tangentInWorld;
@@ -14,8 +14,8 @@ layout(location = 0) out vec4 colour;
 
 void main()
 {
-    ObjectAt object = objectAt(push.object);
-    float level = push.level;
+    ObjectAt object = objectAt(push.draw.object);
+    float level = push.draw.level;
     if (level < 0.0)
         level = max(footprintOf(dFdx(uv.xy), dFdy(uv.xy), vec2(textureSize(mapNormal, 0)), 1.0).level, 0.0);
     float opacity = sampleBeside(mapOpacity, uv.xy, level).x;
@@ -23,8 +23,6 @@ void main()
         discard;
     MaterialTexel material = sampleMaterial(object, uv, level);
     ShadingPoint point = shadingPoint(object, material, positionInWorld, normalInWorld, tangentInWorld);
-    vec3 radiance = point.radiance;
-    for (uint i = 0u; i < view.lightCount; ++i)
-        radiance += reflectedFrom(point, lights[i]);
-    colour = vec4(storable(radiance), opacity * push.opacity);
+    vec3 radiance = point.radiance + reflectedFromListed(point, push.lights);
+    colour = vec4(storable(radiance), opacity * push.draw.opacity);
 }

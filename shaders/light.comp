@@ -56,17 +56,6 @@ ShadingPoint pointOf(ObjectAt object, uint level, uvec2 lumel, uvec2 size, uint 
                         vec4(mat3(object.at.worldFromObject) * tangent, a.tangent.w));
 }
 
-vec3 lightThrough(ShadingPoint point, JobTile job)
-{
-    vec3 radiance = vec3(0.0);
-    for (uint word = 0u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word)
-        for (uint bits = job.lights[word]; bits != 0u; bits &= bits - 1u)
-            radiance += reflectedFrom(point, lights[32u * word + findLSB(bits)]);
-    for (uint i = kListedLights; i < view.lightCount; ++i)
-        radiance += reflectedFrom(point, lights[i]);
-    return radiance;
-}
-
 // Squared change in display value from what the lumel held. A square root stands for the display transform.
 float changeOf(vec3 before, vec3 after, float exposure)
 {
@@ -92,7 +81,7 @@ void lightTile(uint slot)
         return;
     }
     ShadingPoint point = pointOf(object, level, lumel, size, triangle);
-    vec3 radiance = storable(point.radiance + lightThrough(point, push.tiles.at[slot]));
+    vec3 radiance = storable(point.radiance + reflectedFromListed(point, push.tiles.at[slot].lights));
     // Integers add up to the same sum in every order.
     uint change = uint(changeOf(imageLoad(lit, place).rgb, radiance, view.exposure) * (kChangeUnit / 64.0));
     uint sum = subgroupAdd(change);

@@ -9,7 +9,7 @@ layout(location = 0) out vec2 uv;
 void main()
 {
     ObjectAt object = objectAt(push.object);
-    Vertex vertex = pullVertex(object, gl_VertexIndex);
+    Vertex vertex = object.at.vertices.at[gl_VertexIndex];
     uv = vertex.uv;
     gl_Position = view.clipFromWorld * (object.at.worldFromObject * vec4(vertex.position, 1.0));
     gl_Position.xy += push.jitter * gl_Position.w;

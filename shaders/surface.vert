@@ -13,7 +13,7 @@ layout(location = 4) out vec4 materialUv; // of the reflectance (xy) and of glow
 void main()
 {
     ObjectAt object = objectAt(push.object);
-    Vertex vertex = pullVertex(object, gl_VertexIndex);
+    Vertex vertex = object.at.vertices.at[gl_VertexIndex];
     vec4 world = object.at.worldFromObject * vec4(vertex.position, 1.0);
     positionInWorld = world.xyz;
     normalInWorld = object.at.worldFromObjectNormal * vertex.normal;

@@ -38,7 +38,7 @@ struct GraphicsInfo {
     uint32_t constant = 0; // the fragment shader's specialisation constant 0, if it has one
     bool blend = false;    // over, straight alpha; equal depth passes, none is written
 };
-// Triangle list without vertex input (shaders pull), reversed depth in D32, dynamic viewport, scissor, cull
+// Indexed triangle list without vertex input (shaders pull vertices), reversed depth in D32, dynamic viewport, scissor, cull
 // mode and front face.
 Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info);
 

@@ -13,7 +13,7 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
     gpu::GraphicsInfo info{.vertex = "surface.vert",
                            .fragment = "forward.frag",
                            .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
-                           .pushBytes = sizeof(shared::DrawPush),
+                           .pushBytes = sizeof(shared::ForwardPush),
                            .samples =
                                multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1,
                            .constant = uint32_t(filter),
@@ -65,11 +65,13 @@ void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, flo
     const gpu::Pipeline& forward =
         pipeline(frame, pool, o.blend || opacity < 1.0f ? Kind::blended : Kind::forward);
     bindSets(frame, vk::PipelineBindPoint::eGraphics, forward, {*o.material->set});
-    pushConstants(commands, forward,
-                  shared::DrawPush{.object = uint32_t(object),
-                                   .opacity = opacity,
-                                   .level = frame.settings.shading == Shading::reference ? 0.0f : -1.0f,
-                                   .frame = frame.index});
+    shared::ForwardPush push{.draw = {.object = uint32_t(object),
+                                      .opacity = opacity,
+                                      .level = frame.settings.shading == Shading::reference ? 0.0f : -1.0f,
+                                      .frame = frame.index},
+                             .lights = {}};
+    std::ranges::copy(frame.scene.lightsReaching(object), push.lights);
+    pushConstants(commands, forward, push);
     frame.scene.drawTriangles(commands, object);
 }
 

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/image.h"
 #include "lit_pool.h"
+#include "shared/shading.h"
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -229,6 +230,7 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     const GpuMaterial& gpuMaterial = materials_[size_t(object.material)];
     GpuObject result;
     result.material = &gpuMaterial;
+    result.indices = meshes_[size_t(object.mesh)].indices.handle();
     result.indexCount = uint32_t(mesh.indices.size());
     result.bounds = mesh.bounds;
     result.blend = material.alphaMode == scene::AlphaMode::blend;
@@ -310,13 +312,35 @@ std::vector<uint8_t> GpuScene::objectsInView(const glm::mat4& clipFromWorld) con
     return inView;
 }
 
+std::array<uint32_t, shared::kListedLights / 32> GpuScene::lightsReaching(size_t object) const
+{
+    const GpuObject& o = objects_[object];
+    const glm::mat4& m = o.data.worldFromObject;
+    const glm::vec3 centre = m * glm::vec4(o.bounds.centre(), 1.0f);
+    float radius = 0.0f; // to the farthest corner of the box
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 side((corner & 1) ? 1.0f : -1.0f, (corner & 2) ? 1.0f : -1.0f,
+                             (corner & 4) ? 1.0f : -1.0f);
+        radius =
+            std::max(radius, glm::length(glm::mat3(m) * (0.5f * side * (o.bounds.upper - o.bounds.lower))));
+    }
+    const auto* lights = lights_.mapped<const shared::Light>();
+    std::array<uint32_t, shared::kListedLights / 32> listed{};
+    for (uint32_t i = 0; i < std::min(lightCount_, shared::kListedLights); ++i)
+        if (shared::lightReaches(lights[i], centre, radius))
+            listed[i / 32] |= 1u << i % 32;
+    return listed;
+}
+
 void GpuScene::drawTriangles(vk::CommandBuffer commands, size_t object) const
 {
     const GpuObject& o = objects_[object];
     commands.setCullMode(o.data.flags & shared::kObjectDoubleSided ? vk::CullModeFlagBits::eNone
                                                                    : vk::CullModeFlagBits::eBack);
     commands.setFrontFace(o.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
-    commands.draw(o.indexCount, 1, 0, 0);
+    // Indexed, so that a vertex which triangles share is transformed once.
+    commands.bindIndexBuffer(o.indices, 0, vk::IndexType::eUint32);
+    commands.drawIndexed(o.indexCount, 1, 0, 0, 0);
 }
 
 } // namespace lumel

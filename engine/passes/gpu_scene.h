@@ -6,6 +6,7 @@
 #include "scene/scene.h"
 #include "tsl/room.h"
 #include "tsl/texel_map.h"
+#include <array>
 #include <map>
 #include <memory>
 
@@ -29,6 +30,7 @@ struct GpuObject {
     shared::Object data; // everything but the frame's lit texture
     const GpuMaterial* material = nullptr;
     const GpuTexelMap* texelMap = nullptr; // null: not to be lit in texture space
+    vk::Buffer indices;
     uint32_t indexCount = 0;
     Bounds bounds; // object space
     bool blend = false;
@@ -67,6 +69,9 @@ public:
 
     // Per object: does its box meet the view volume?
     std::vector<uint8_t> objectsInView(const glm::mat4& clipFromWorld) const;
+
+    // The lights that may reach the object, by its bounding ball: bit i of word i / 32 is light i.
+    std::array<uint32_t, shared::kListedLights / 32> lightsReaching(size_t object) const;
 
     // Draws an object's triangles with the bound pipeline, its winding and culling set.
     void drawTriangles(vk::CommandBuffer commands, size_t object) const;

@@ -205,8 +205,8 @@ void drawLumelsTab(ViewState& state, const ViewReport& report)
     figure("Waiting", thousands(f.lumelsPending) + " lumels");
     const double pixels = double(std::max<size_t>(f.pixelsCovered, 1));
     figure("Density", fmt::format("{:.2f} lumels a covered pixel", double(f.lumelsMarked) / pixels));
-    figure("Levels", fmt::format("{:.2f} coarser, memory {:.2f}, time {:.2f}", f.levelOffset, f.levelBias,
-                                 f.budgetBias));
+    figure("Coarser by", fmt::format("{:.2f} levels, {:.2f} memory, {:.2f} time", f.levelOffset, f.levelBias,
+                                     f.budgetBias));
     figure("Render scale", fmt::format("{:.2f}", f.renderScale));
     figure("Objects",
            fmt::format("{} lit, {} forward, {} culled", f.objectsTsl, f.objectsForward, f.objectsCulled));

@@ -81,6 +81,18 @@ vec3 reflectedFrom(ShadingPoint point, Light light)
     return reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance);
 }
 
+// From the lights of a list (as in JobTile) and those past its last bit.
+vec3 reflectedFromListed(ShadingPoint point, uint listed[kListedLights / 32u])
+{
+    vec3 radiance = vec3(0.0);
+    for (uint word = 0u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word)
+        for (uint bits = listed[word]; bits != 0u; bits &= bits - 1u)
+            radiance += reflectedFrom(point, lights[32u * word + findLSB(bits)]);
+    for (uint i = kListedLights; i < view.lightCount; ++i)
+        radiance += reflectedFrom(point, lights[i]);
+    return radiance;
+}
+
 vec3 storable(vec3 radiance)
 {
     return min(radiance, vec3(60000.0)); // half float's largest is 65504

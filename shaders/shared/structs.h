@@ -224,6 +224,11 @@ struct DrawPush {
     uint frame;
 };
 
+struct ForwardPush {
+    DrawPush draw; // for the vertex shader
+    uint lights[kListedLights / 32u]; // that may reach the object, as in JobTile
+};
+
 // What drawing a lit texture needs, all of it: loads that are the same for all pixels are cheap from here only.
 struct LitPush {
     DrawPush draw; // for the vertex shader

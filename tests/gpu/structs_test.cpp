@@ -197,6 +197,8 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(LitPush, tileOffsets);
     EXPECT_OFFSET(ViewPush, draw);
     EXPECT_OFFSET(ViewPush, kind);
+    EXPECT_OFFSET(ForwardPush, draw);
+    EXPECT_OFFSET(ForwardPush, lights);
     EXPECT_OFFSET(PoolPush, rectangle);
     EXPECT_OFFSET(PoolPush, layer);
     EXPECT_OFFSET(PoolPush, shade);
