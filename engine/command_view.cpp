@@ -3,6 +3,9 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace lumel {
 namespace {
@@ -37,6 +40,11 @@ void runView(const ViewArguments& arguments)
             fmt::print("{} {}\n", i, names[i]);
         return;
     }
+#ifdef __GLIBC__
+    // Materials that are given up leave holes of many MiB in the heap, which glibc's growing threshold would
+    // keep: large blocks are to go back to the system, however many scenes and filters are looked at.
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);
+#endif
     const Glfw glfw;
     uint32_t count = 0;
     const char** extensions = glfwGetRequiredInstanceExtensions(&count);
