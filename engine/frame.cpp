@@ -58,14 +58,11 @@ void Renderer::assignRoom(Frame& frame)
     // The CPU decides about memory, so it must see the need: the GPU waits here for a short while.
     finish(frame);
     need_.read(frame);
-    const float before = levelOffset_.value_or(settings_.levelOffset);
-    levelOffset_ =
-        tsl::levelOffsetFor(frame.needs, settings_.levelOffset, settings_.lumelsPerPixel, levelOffset_);
-    offsetSettled_ = *levelOffset_ == before;
-    frame.levelOffset = *levelOffset_ + quality_.levelBias;
-    for (tsl::ObjectNeed& need : frame.needs)
-        need.level += frame.levelOffset;
-    writeView(frame, glm::vec2(0.0f));
+    chooseDetail(frame);
+    for (tsl::ObjectNeed& need : frame.needs) {
+        need.level += frame.detail.levelOffset;
+        need.coarsest += quality_.levelBias; // within a frame budget, seams are the lesser evil
+    }
     rooms_.assign(pool_.bookkeeping(), frame.needs, frame.index);
     pool_.update();
     plan_.prepare(frame, pool_);
@@ -82,6 +79,27 @@ void Renderer::assignRoom(Frame& frame)
     knownChange_ = frame.index;
     begin(frame);
     pool_.recordHandovers(frame);
+}
+
+// How finely is the view to be lit? Known needs are those of the frame before's detail, which changes slowly;
+// only the first detail of all takes a second look at the samples.
+void Renderer::chooseDetail(Frame& frame)
+{
+    float pixels = 0.0f;
+    for (const tsl::ObjectNeed& need : frame.needs)
+        pixels += need.lightable ? float(need.samples) : 0.0f;
+    const tsl::Detail finest{settings_.levelOffset, settings_.anisotropy};
+    const bool again = !detail_;
+    detail_ = tsl::detailFor(frame.elongations, pixels, finest, settings_.lumelsPerPixel, detail_);
+    frame.detail = *detail_;
+    frame.detail.levelOffset += quality_.levelBias;
+    writeView(frame, glm::vec2(0.0f));
+    if (again && *detail_ != finest) {
+        begin(frame);
+        need_.recount(frame);
+        finish(frame);
+        need_.read(frame);
+    }
 }
 
 void Renderer::countLumels(const Frame& frame)
@@ -103,7 +121,8 @@ void Renderer::countLumels(const Frame& frame)
     stats_.tilesMarked = known_.tilesMarked;
     stats_.pixelsCovered = known_.pixelsCovered;
     stats_.levelBias = rooms_.levelBias();
-    stats_.levelOffset = levelOffset_.value_or(0.0f);
+    stats_.levelOffset = detail_ ? detail_->levelOffset : 0.0f;
+    stats_.anisotropy = detail_ ? detail_->anisotropy : 1.0f;
 }
 
 // Sub-pixel position of the reference's sample i, in [-0.5, 0.5): the R2 sequence (Roberts 2018, "The
@@ -157,10 +176,10 @@ void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
                       .skyRadiance = scene_.skyRadiance(),
                       .exposure = settings_.exposure,
                       .groundRadiance = scene_.groundRadiance(),
-                      .anisotropy = settings_.anisotropy,
+                      .anisotropy = frame.detail.anisotropy,
                       .sizePixels = settings_.size,
                       .frame = frame.index,
-                      .levelOffset = frame.levelOffset,
+                      .levelOffset = frame.detail.levelOffset,
                       .objects = scene_.objectTable()});
 }
 
@@ -184,8 +203,7 @@ void Renderer::restart()
     first_ = true;
     sumSamples_ = 0;
     knownView_ = glm::mat4(0.0f);
-    levelOffset_.reset();
-    offsetSettled_ = true;
+    detail_.reset();
     offsetsSeen_ = 0;
     lumelsPending_ = 0;
     known_ = {};
@@ -216,13 +234,14 @@ void Renderer::setSettings(const Settings& settings)
         pool_.clear(settings.poolBytes);
     // Whatever decides which lumels a view needs, or how they are lit.
     const auto lumelsOf = [](const Settings& s) {
-        return std::tuple(s.size, s.poolBytes, s.levelOffset, s.lumelsPerPixel, s.tolerance, s.filter);
+        return std::tuple(s.size, s.poolBytes, s.levelOffset, s.anisotropy, s.lumelsPerPixel, s.tolerance,
+                          s.filter);
     };
     if (lumelsOf(settings) != lumelsOf(before)) {
         if (settings.poolBytes != before.poolBytes)
             rooms_ = {};
         knownView_ = glm::mat4(0.0f);
-        levelOffset_.reset();
+        detail_.reset();
     }
 }
 
@@ -254,9 +273,11 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
                 .index = ++frameIndex_,
                 .inView = {},
                 .needs = {},
-                .levelOffset = levelOffset_.value_or(settings_.levelOffset) + quality_.levelBias,
+                .elongations = {},
+                .detail = detail_.value_or(tsl::Detail{settings_.levelOffset, settings_.anisotropy}),
                 .lumelBudget = std::min(settings_.lumelBudget, quality_.lumels),
                 .rooms = rooms_};
+    frame.detail.levelOffset += quality_.levelBias;
     renderSize_ = frame.renderSize;
     frame.inView = scene_.objectsInView(frame.clipFromWorld);
     scene_.writeObjects();

@@ -53,6 +53,7 @@ private:
     void assignRoom(Frame& frame);
     void keepToBudget();
     bool isSettled(const Frame& frame) const;
+    void chooseDetail(Frame& frame);
     void countLumels(const Frame& frame);
     FrameStats renderFrame(const scene::Camera& camera);
     glm::mat4 clipFromWorld(const scene::Camera& camera) const;
@@ -87,10 +88,9 @@ private:
     // What the lumels in the pool stand for, and whether that is all that this view needs.
     glm::mat4 knownView_{0.0f};
     tsl::Quality knownQuality_;
-    uint32_t knownChange_ = 0;         // frame up to which changes of lights and objects are in
-    std::optional<float> levelOffset_; // of the frame before
-    bool offsetSettled_ = true;
-    uint32_t offsetsSeen_ = 0; // of the need pass's cycle, in this very view
+    uint32_t knownChange_ = 0;          // frame up to which changes of lights and objects are in
+    std::optional<tsl::Detail> detail_; // of the frame before, without the frame budget's bias
+    uint32_t offsetsSeen_ = 0;          // of the need pass's cycle, in this very view
     size_t lumelsPending_ = 0;
     std::vector<tsl::ObjectNeed> knownNeeds_;
     std::vector<uint8_t> inView_;

@@ -156,7 +156,7 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
         ->capture_default_str();
     command
         ->add_option("--lumels-per-pixel", a.settings.lumelsPerPixel,
-                     "tsl: everything gets coarser before a view needs more lumels a covered pixel")
+                     "tsl: flat angles lose detail before a view needs more lumels a covered pixel")
         ->check(CLI::Range(0.1, 64.0))
         ->capture_default_str();
     command->add_option("--lumel-budget", a.settings.lumelBudget, "tsl: lumels lit a frame; the others wait")

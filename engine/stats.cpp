@@ -37,6 +37,7 @@ json frameJson(const FrameStats& f)
             {"budget_bias", f.budgetBias},
             {"level_bias", f.levelBias},
             {"level_offset", f.levelOffset},
+            {"anisotropy", f.anisotropy},
             {"error_rmse", orNull(f.errorRmse)},
             {"flicker_rmse", orNull(f.flickerRmse)},
             {"change_rmse", orNull(f.changeRmse)}};

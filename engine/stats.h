@@ -19,7 +19,7 @@ struct FrameStats {
     size_t pixelsCovered = 0; // by objects in texture space, from the need pass: a multiple of 16
     size_t poolUsedBytes = 0, poolCapBytes = 0, poolTextures = 0;
     size_t objectsTsl = 0, objectsForward = 0, objectsCulled = 0;
-    float levelBias = 0.0f, levelOffset = 0.0f;
+    float levelBias = 0.0f, levelOffset = 0.0f, anisotropy = 1.0f;
     // RMSE in display values, where measured: of the picture against the reference's; of its difference to
     // the frame before against the reference's; and of that difference of the reference alone.
     std::optional<double> errorRmse, flickerRmse, changeRmse;

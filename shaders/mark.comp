@@ -72,14 +72,14 @@ void main()
     uvec4 sight = imageLoad(seen, ivec2(index % push.samples.x, index / push.samples.x));
     if (sight.x == 0u)
         return;
-    uint objectIndex = (sight.x >> kSeenObjectShift) - 1u;
+    uint objectIndex = sight.x - 1u;
     ObjectAt object = objectAt(objectIndex);
     if (object.at.mips == 0u)
         return;
     vec2 uv = unpackUnorm2x16(sight.y), dx = unpackHalf2x16(sight.z), dy = unpackHalf2x16(sight.w);
     Footprint footprint = footprintOf(dx, dy, vec2(object.at.litSize), view.anisotropy);
     vec2 axis = footprint.taps > 1 ? footprint.axis : vec2(0.0);
-    float level = float(sight.x & kSeenLevelMask) / float(kNeedScale) + kNeedFinest + view.levelOffset;
+    float level = footprint.level + view.levelOffset;
     float finest = mipPosition(object, level - kLevelMargin), coarsest = mipPosition(object, level + kLevelMargin);
     uint first = uint(finest);
     uint last = uint(coarsest) + (coarserWeight(coarsest) > 0.0 ? 1u : 0u);

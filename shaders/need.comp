@@ -1,30 +1,49 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Need pass, second half: the finest level that any sample of each object needs.
+// Need pass, second half: the finest level that any sample of each object needs, and how long footprints are.
+#include "lib/footprint.glsl"
 #include "lib/interface.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { NeedPush push; };
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D seen;
 
+shared uint elongations[kElongations];
+
+void count(uvec4 sight)
+{
+    uint index = sight.x - 1u;
+    ObjectAt object = objectAt(index);
+    vec2 dx = unpackHalf2x16(sight.z), dy = unpackHalf2x16(sight.w), size = vec2(object.at.litSize);
+    uint level = uint(clamp(footprintOf(dx, dy, size, view.anisotropy).level - kNeedFinest, 0.0, 15.99) * float(kNeedScale));
+    // Reading first spares most atomics: after a few samples the least level hardly changes.
+    if (level < push.needs.at[index].level)
+        atomicMin(push.needs.at[index].level, level);
+    atomicAdd(push.needs.at[index].samples, 1u);
+    if ((object.at.flags & kObjectLightable) == 0u)
+        return;
+    // The pixel's ellipse in lumels; nothing is lit more finely than level 0.
+    float area = abs(dx.x * dy.y - dx.y * dy.x) * size.x * size.y;
+    float minor = exp2(footprintOf(dx, dy, size, 1e4).level);
+    float major = area / minor;
+    float longer = max(major, 1.0) / max(minor, 1.0), share = min(major, 1.0) * min(minor, 1.0);
+    uint bin = min(uint(float(kElongationsAnOctave) * log2(longer)), kElongations - 1u);
+    atomicAdd(elongations[bin], uint(share * float(kNeedScale)));
+}
+
 void main()
 {
+    uint local = gl_LocalInvocationIndex;
+    if (local < kElongations)
+        elongations[local] = 0u;
+    barrier();
     uint index = gl_GlobalInvocationID.x;
-    if (index >= push.size.x * push.size.y)
-        return;
-    uvec4 sample4 = imageLoad(seen, ivec2(index % push.size.x, index / push.size.x));
-    uint sight = sample4.x;
-    if (sight == 0u)
-        return;
-    uint object = (sight >> kSeenObjectShift) - 1u;
-    uint level = sight & kSeenLevelMask;
-    // Reading first spares most atomics: after a few samples the least level hardly changes.
-    if (level < push.needs.at[object].level)
-        atomicMin(push.needs.at[object].level, level);
-    atomicAdd(push.needs.at[object].samples, 1u);
-    // The pixel's parallelogram in lumels of its level: 1 where it is square, more along a long footprint.
-    vec2 dx = unpackHalf2x16(sample4.z), dy = unpackHalf2x16(sample4.w), size = vec2(objectAt(object).at.litSize);
-    float area = abs(dx.x * dy.y - dx.y * dy.x) * size.x * size.y;
-    float lumels = area * exp2(-2.0 * max(float(level) / float(kNeedScale) + kNeedFinest, 0.0));
-    atomicAdd(push.needs.at[object].lumels, uint(min(lumels, 64.0) * float(kNeedScale)));
+    if (index < push.size.x * push.size.y) {
+        uvec4 sight = imageLoad(seen, ivec2(index % push.size.x, index / push.size.x));
+        if (sight.x != 0u)
+            count(sight);
+    }
+    barrier();
+    if (local < kElongations && elongations[local] > 0u)
+        atomicAdd(push.total.at.elongations[local], elongations[local]);
 }

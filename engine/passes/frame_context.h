@@ -4,6 +4,7 @@
 #include "gpu/timer.h"
 #include "gpu_scene.h"
 #include "settings.h"
+#include "tsl/detail.h"
 
 namespace lumel {
 
@@ -30,7 +31,8 @@ struct Frame {
     uint32_t index = 0;                 // from 1
     std::vector<uint8_t> inView;        // per object: its bounds meet the view
     std::vector<tsl::ObjectNeed> needs; // per object, from the need pass
-    float levelOffset = 0.0f;           // levels coarser than one lumel a pixel, the bias among them
+    tsl::Elongations elongations{};     // of the view, from the need pass
+    tsl::Detail detail;                 // how finely lumels are lit, the frame budget's bias among it
     uint32_t lumelBudget = ~0u;         // lumels to light at most
     tsl::Rooms& rooms;                  // per object, its lit texture
 };

@@ -218,6 +218,7 @@ const GpuTexelMap* GpuScene::texelMapFor(const gpu::Device& device, const scene:
         slot = std::make_unique<GpuTexelMap>();
         slot->map = tsl::makeTexelMap(scene.meshes[size_t(mesh)], grid);
         slot->buffer = gpu::uploadBuffer(device, slot->map.texels, "texel map");
+        slot->coarsest = tsl::coarsestWithoutSeams(tsl::seamShares(scene.meshes[size_t(mesh)], slot->map));
         slot->map.texels = {};
     }
     return slot.get();
@@ -251,6 +252,7 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     if (material.alphaMode == scene::AlphaMode::mask)
         data.flags |= shared::kObjectMask;
     if (mesh.uvProblem.empty() && material.alphaMode == scene::AlphaMode::opaque) {
+        data.flags |= shared::kObjectLightable;
         result.texelMap = texelMapFor(device, scene, object.mesh, data.litSize);
         data.texels = result.texelMap->buffer.address();
         for (uint32_t i = 0; i < shared::kMaxLevels; ++i)

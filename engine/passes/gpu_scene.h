@@ -4,8 +4,8 @@
 #include "gpu/resource.h"
 #include "scene/materials.h"
 #include "scene/scene.h"
+#include "tsl/chart_levels.h"
 #include "tsl/room.h"
-#include "tsl/texel_map.h"
 #include <array>
 #include <map>
 #include <memory>
@@ -18,6 +18,7 @@ class LitPool;
 struct GpuTexelMap {
     tsl::TexelMap map; // texels are dropped after upload
     gpu::Buffer buffer;
+    uint32_t coarsest = 0; // level at which charts keep clear of each other
 };
 
 struct GpuMaterial {

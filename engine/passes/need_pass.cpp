@@ -28,9 +28,10 @@ NeedPass::NeedPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& s
                                                  .sets = {*scene.frameLayout()},
                                                  .pushBytes = sizeof(shared::NeedPush),
                                                  .color = vk::Format::eR32G32B32A32Uint})),
-      mark_(gpu::makeComputePipeline(device, "need.comp", {*scene.frameLayout(), *layout_},
-                                     sizeof(shared::NeedPush))),
-      needs_(device, scene.objects().size() * sizeof(shared::Need), gpu::Buffer::Home::host, "needs")
+      count_(gpu::makeComputePipeline(device, "need.comp", {*scene.frameLayout(), *layout_},
+                                      sizeof(shared::NeedPush))),
+      needs_(device, scene.objects().size() * sizeof(shared::Need), gpu::Buffer::Home::host, "needs"),
+      total_(device, sizeof(shared::NeedTotal), gpu::Buffer::Home::host, "need total")
 {
     resize(device, size);
 }
@@ -49,10 +50,6 @@ void NeedPass::record(Frame& frame, bool everyPixel)
     divisor_ = everyPixel ? 1 : kDivisor;
     samples_ = (frame.renderSize + divisor_ - 1u) / divisor_;
     const PassScope scope(frame, "need");
-    const size_t count = frame.scene.objects().size();
-    auto* needs = needs_.mapped<shared::Need>();
-    std::fill(needs, needs + count, shared::Need{shared::kNotSeen, 0, 0});
-
     const vk::CommandBuffer commands = frame.commands;
     const vk::Extent2D extent{samples_.x, samples_.y}; // a part of the images
     gpu::imageBarrier(commands, seen_.handle(), seen_.aspect(), gpu::Use::undefined, gpu::Use::colorWrite);
@@ -78,11 +75,12 @@ void NeedPass::record(Frame& frame, bool everyPixel)
     const glm::vec2 pixels = everyPixel ? glm::vec2(0.0f) : jitterInPixels(frame.index);
     const glm::vec2 jitter = 2.0f * pixels / glm::vec2(frame.renderSize);
     shared::NeedPush push{.needs = needs_.address(),
+                          .total = total_.address(),
                           .jitter = jitter,
                           .divisor = float(divisor_),
                           .object = 0,
                           .size = samples_};
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < frame.inView.size(); ++i) {
         if (!frame.inView[i] || frame.scene.objects()[i].blend)
             continue;
         push.object = uint32_t(i);
@@ -92,10 +90,30 @@ void NeedPass::record(Frame& frame, bool everyPixel)
     commands.endRendering();
 
     gpu::imageBarrier(commands, seen_.handle(), seen_.aspect(), gpu::Use::colorWrite, gpu::Use::computeRead);
-    bindSets(frame, vk::PipelineBindPoint::eCompute, mark_, {*set_});
-    pushConstants(commands, mark_, push);
-    commands.dispatch(groupsOf64(extent.width * extent.height), 1, 1);
-    gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::hostRead);
+    count(frame);
+}
+
+void NeedPass::recount(Frame& frame)
+{
+    const PassScope scope(frame, "need");
+    count(frame);
+}
+
+void NeedPass::count(Frame& frame)
+{
+    auto* needs = needs_.mapped<shared::Need>();
+    std::fill_n(needs, frame.scene.objects().size(), shared::Need{shared::kNotSeen, 0});
+    *total_.mapped<shared::NeedTotal>() = {};
+    bindSets(frame, vk::PipelineBindPoint::eCompute, count_, {*set_});
+    pushConstants(frame.commands, count_,
+                  shared::NeedPush{.needs = needs_.address(),
+                                   .total = total_.address(),
+                                   .jitter = {},
+                                   .divisor = float(divisor_),
+                                   .object = 0,
+                                   .size = samples_});
+    frame.commands.dispatch(groupsOf64(samples_.x * samples_.y), 1, 1);
+    gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::hostRead);
 }
 
 void NeedPass::read(Frame& frame) const
@@ -109,8 +127,11 @@ void NeedPass::read(Frame& frame) const
                           .lightable = objects[i].texelMap != nullptr,
                           .level = float(needs[i].level) / float(shared::kNeedScale) + shared::kNeedFinest,
                           .samples = needs[i].samples,
-                          .lumels = float(needs[i].lumels) / float(shared::kNeedScale),
+                          .coarsest = objects[i].texelMap ? float(objects[i].texelMap->coarsest) : 0.0f,
                           .litSize = objects[i].data.litSize};
+    const auto& total = *total_.mapped<shared::NeedTotal>();
+    for (size_t i = 0; i < frame.elongations.size(); ++i)
+        frame.elongations[i] = float(total.elongations[i]) / float(shared::kNeedScale);
 }
 
 } // namespace lumel

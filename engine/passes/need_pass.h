@@ -14,7 +14,9 @@ public:
     void resize(const gpu::Device& device, glm::uvec2 size);
     // everyPixel: full resolution, for the first frame of a view that nothing is known of.
     void record(Frame& frame, bool everyPixel);
-    // Fills frame.needs after the recorded commands have finished.
+    // The same samples once more, at the frame's anisotropy of now.
+    void recount(Frame& frame);
+    // Fills frame.needs and frame.elongations after the recorded commands have finished.
     void read(Frame& frame) const;
 
     // The samples: set 0, binding 0 of `layout`.
@@ -24,13 +26,14 @@ public:
     uint32_t divisor() const { return divisor_; } // full-size pixels a sample, per axis
 
 private:
+    void count(Frame& frame);
     glm::uvec2 samples_{0};
     uint32_t divisor_ = kDivisor;
     gpu::Image seen_, depth_;
     gpu::SetLayout layout_;
     vk::raii::DescriptorSet set_;
-    gpu::Pipeline raster_, mark_;
-    gpu::Buffer needs_;
+    gpu::Pipeline raster_, count_;
+    gpu::Buffer needs_, total_;
 };
 
 } // namespace lumel

@@ -40,7 +40,7 @@ struct Settings {
     ToneMap toneMap = ToneMap::neutral;
     size_t poolBytes = size_t(256) << 20;
     float levelOffset = 0.25f;       // levels that lumels are coarser than one a pixel, at least
-    float lumelsPerPixel = 8.0f;     // everything gets coarser before a view needs more
+    float lumelsPerPixel = 2.8f;     // flat angles lose detail before a view needs more
     uint32_t lumelBudget = ~0u;      // lit a frame at most, whole tiles
     float refreshShare = 0.18f;      // of the marked tiles, lit again a frame because the eye moved
     float tolerance = 0.5f / 255.0f; // display value: tiles expected to change less are kept

@@ -56,26 +56,6 @@ uint32_t litLevelFor(float level, glm::uvec2 litSize)
     return std::min(finest, coarsest);
 }
 
-float levelOffsetFor(std::span<const ObjectNeed> needs, float least, float lumelsPerPixel,
-                     std::optional<float> before)
-{
-    float lumels = 0.0f, pixels = 0.0f;
-    for (const ObjectNeed& need : needs)
-        if (need.lightable) {
-            lumels += need.lumels;
-            pixels += float(need.samples);
-        }
-    // Measured on the examples: whole levels are finer than the fractional one asked for, and tiles, filters
-    // and coarser stand-ins need lumels beyond what is seen.
-    constexpr float kOverhead = 2.9f;
-    const float over = pixels > 0.0f ? kOverhead * lumels / (pixels * lumelsPerPixel) : 0.0f;
-    const float offset = std::max(least, 0.5f * std::log2(std::max(over, 1e-6f)));
-    if (!before)
-        return offset;
-    constexpr float kStep = 1.0f / 32.0f; // a frame: no jump to be seen
-    return std::clamp(offset, *before - kStep, *before + kStep);
-}
-
 void Rooms::take(TexturePool& pool, const ObjectNeed& need, size_t object, uint64_t frame)
 {
     ObjectRoom& room = objects_[object];
@@ -125,7 +105,9 @@ void Rooms::assignObject(TexturePool& pool, const ObjectNeed& need, size_t objec
     if (!need.visible) // no sample met it: it keeps what it has
         return;
     const float across = lumelsAcross(need);
-    const bool leaves = across < kLeave || (across < kReturn && room.share < 1.0f && known_[object]);
+    const bool away = room.share < 1.0f && known_[object];
+    const bool leaves = across < (away ? kReturn : kLeave) ||
+                        need.level > need.coarsest + (away ? kReturnLevel : kLeaveLevel);
     const float target = leaves ? 0.0f : 1.0f;
     room.share = known_[object] ? towards(room.share, target) : target;
     known_[object] = 1;

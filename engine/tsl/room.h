@@ -8,13 +8,13 @@ namespace lumel::tsl {
 
 // What the need pass found of one object, and its lumel grid.
 struct ObjectNeed {
-    bool inView = false;   // its bounds meet the view volume
-    bool visible = false;  // a sample saw it
-    bool lightable = true; // unique UVs, opaque
-    float level = 0.0f;    // finest level that any sample needs
-    uint32_t samples = 0;  // of the need pass that saw it
-    float lumels = 0.0f;   // of as many pixels as samples, at one lumel a pixel across the footprint
-    glm::uvec2 litSize{0}; // lumels of level 0
+    bool inView = false;                        // its bounds meet the view volume
+    bool visible = false;                       // a sample saw it
+    bool lightable = true;                      // unique UVs, opaque
+    float level = 0.0f;                         // finest level that any sample needs
+    uint32_t samples = 0;                       // of the need pass that saw it
+    float coarsest = float(shared::kMaxLevels); // level from which its charts run into each other
+    glm::uvec2 litSize{0};                      // lumels of level 0
 };
 
 struct ObjectRoom {
@@ -30,15 +30,12 @@ struct ObjectRoom {
 // never past a single tile.
 uint32_t litLevelFor(float level, glm::uvec2 litSize);
 
-// Levels coarser than one lumel a pixel across, at least `least`, at which the lumels that a view needs stay
-// within `lumelsPerPixel`: long footprints need many. `before`: the offset of the frame before, which a
-// change follows slowly; nothing in the first frame.
-float levelOffsetFor(std::span<const ObjectNeed> needs, float least, float lumelsPerPixel,
-                     std::optional<float> before);
-
 // An object leaves texture space when its lit texture has become smaller than kLeave lumels across, and
 // returns when it would exceed kReturn.
 inline constexpr float kLeave = 6.0f, kReturn = 9.0f;
+// Likewise when it needs a level so much coarser than ObjectNeed::coarsest: drawing blends in the next
+// level's seams from half a level on, for fully from one.
+inline constexpr float kLeaveLevel = 0.75f, kReturnLevel = 0.5f;
 // A texture that is one level finer than needed is kept until the need is this much coarser still.
 inline constexpr float kLevelHysteresis = 0.25f;
 

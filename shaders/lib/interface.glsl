@@ -13,6 +13,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Obj
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer JobTiles { JobTile at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileStates { TileState at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Needs { Need at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer NeedTotals { NeedTotal at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Plans { Plan at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Jobs { Job at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Marks { Mark at[]; };

@@ -17,6 +17,7 @@ layout(buffer_reference) buffer Objects;
 layout(buffer_reference) buffer JobTiles;
 layout(buffer_reference) buffer TileStates;
 layout(buffer_reference) buffer Needs;
+layout(buffer_reference) buffer NeedTotals;
 layout(buffer_reference) buffer Plans;
 layout(buffer_reference) buffer Jobs;
 layout(buffer_reference) buffer Marks;
@@ -56,7 +57,7 @@ struct View {
     vec3 skyRadiance; // ambient hemisphere, +Y
     float exposure;   // display only: multiplies radiance
     vec3 groundRadiance;
-    float anisotropy; // most taps along a footprint's long axis, 1 = isotropic
+    float anisotropy; // of this frame: most taps along a footprint's long axis, 1 = isotropic
     uvec2 sizePixels;
     uint frame;        // from 1
     float levelOffset; // levels that lit textures are coarser than one lumel a pixel
@@ -68,6 +69,7 @@ LUMEL_CONST uint kMaxLevels = 14u; // 8192 lumels down to 1
 LUMEL_CONST uint kObjectDoubleSided = 1u;
 LUMEL_CONST uint kObjectMask = 2u; // alpha below alphaCutoff is cut out
 LUMEL_CONST uint kObjectOwnMaterialUv = 4u; // its material UVs are not its lit UVs
+LUMEL_CONST uint kObjectLightable = 8u;     // it can be lit in texture space
 
 struct Object {
     mat4 worldFromObject;
@@ -183,14 +185,18 @@ LUMEL_CONST float kNeedFinest = -4.0f;
 struct Need {
     uint level;   // the least of all samples, kNotSeen when there are none
     uint samples;
-    uint lumels;  // of that many samples' blocks of pixels at one lumel a pixel across, in 1 / kNeedScale
 };
-// A sample of the need pass: object + 1 above kSeenObjectShift, n of its level below.
-LUMEL_CONST uint kSeenObjectShift = 12u;
-LUMEL_CONST uint kSeenLevelMask = 0xfffu;
+// What it finds of the view: samples by how much longer than wide their footprints are (tsl/detail.h), in
+// 1 / kNeedScale.
+LUMEL_CONST uint kElongations = 20u; // bins
+LUMEL_CONST uint kElongationsAnOctave = 4u;
+struct NeedTotal {
+    uint elongations[kElongations];
+};
 
 struct NeedPush {
     LUMEL_ADDRESS(Needs) needs;
+    LUMEL_ADDRESS(NeedTotals) total;
     vec2 jitter;   // sub-pixel offset in clip space
     float divisor; // full-size pixels per sample, per axis
     uint object;

@@ -48,6 +48,7 @@ json formOfRun()
                         {"budget_bias", 0},
                         {"level_bias", 0},
                         {"level_offset", 0},
+                        {"anisotropy", 0},
                         {"error_rmse", nullptr},
                         {"flicker_rmse", nullptr},
                         {"change_rmse", nullptr}};

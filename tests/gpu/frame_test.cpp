@@ -110,6 +110,7 @@ TEST_F(FrameTest, AFacingQuadGetsTheAnalyticLevel)
         // The whole quad is in view at one level: all its tiles are lit, and whole coarser MIPs derived.
         Settings settings = settingsFor(Shading::tsl, {256, 256});
         settings.levelOffset = 0.0f;
+        settings.lumelsPerPixel = 64.0f;
         Renderer renderer(device(), s.scene, s.materials, settings);
         const FrameStats stats = renderer.render(cameraAt({0.0f, 0.0f, distance}));
         const auto side = size_t(1024) >> size_t(level);
@@ -191,6 +192,7 @@ TEST_F(FrameTest, StatisticsNameEveryObjectsModeAndThePriceOfLargerTiles)
     s.scene.lights = {sun({0, 0, -1})};
     Settings settings = settingsFor(Shading::tsl, {256, 256});
     settings.levelOffset = 0.0f;
+    settings.lumelsPerPixel = 64.0f;
     Renderer renderer(device(), s.scene, s.materials, settings);
     const FrameStats stats = renderer.render(cameraAt({0.0f, 0.0f, 6.0f}));
     const std::vector<ObjectStats> objects = renderer.objectStats();

@@ -161,8 +161,9 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Job, first);
     EXPECT_OFFSET(Need, level);
     EXPECT_OFFSET(Need, samples);
-    EXPECT_OFFSET(Need, lumels);
     EXPECT_OFFSET(NeedPush, needs);
+    EXPECT_OFFSET(NeedTotal, elongations);
+    EXPECT_OFFSET(NeedPush, total);
     EXPECT_OFFSET(NeedPush, jitter);
     EXPECT_OFFSET(NeedPush, divisor);
     EXPECT_OFFSET(NeedPush, object);

@@ -168,15 +168,24 @@ TEST(Room, TinyObjectsLeaveTextureSpaceWithoutAJumpAndReturnLater)
     EXPECT_LT(rooms.objects()[0].share, 0.2f);
 }
 
-TEST(LevelOffset, LongFootprintsMakeEverythingCoarser)
+TEST(Rooms, ObjectsLeaveBeforeTheirChartsRunIntoEachOther)
 {
-    std::vector<ObjectNeed> needs{need(0.0f, {512, 512})};
-    needs[0].lumels = 0.5f * float(needs[0].samples);
-    EXPECT_EQ(levelOffsetFor(needs, 0.25f, 4.0f, std::nullopt), 0.25f);
-    needs[0].lumels = 6.0f * float(needs[0].samples);
-    const float offset = levelOffsetFor(needs, 0.25f, 4.0f, std::nullopt);
-    EXPECT_GT(offset, 0.5f);
-    // A quarter of the lumels is one level.
-    EXPECT_NEAR(levelOffsetFor(needs, 0.25f, 1.0f, std::nullopt), offset + 1.0f, 1e-5f);
-    EXPECT_LT(levelOffsetFor(needs, 0.25f, 4.0f, 0.25f), 0.3f); // follows slowly
+    TexturePool pool(size_t(64) << 20);
+    Rooms rooms;
+    const auto at = [](float level) {
+        ObjectNeed n = need(level, {1024, 1024});
+        n.coarsest = 2.0f;
+        return std::vector{n};
+    };
+    rooms.assign(pool, at(2.0f + kLeaveLevel - 0.05f), 1);
+    EXPECT_EQ(rooms.objects()[0].share, 1.0f);
+    uint64_t frame = 2;
+    for (; rooms.objects()[0].share > 0.0f && frame < 30; ++frame) // fades
+        rooms.assign(pool, at(2.0f + kLeaveLevel + 0.05f), frame);
+    EXPECT_FALSE(rooms.objects()[0].texture);
+    EXPECT_GT(frame, 6u);
+    rooms.assign(pool, at(2.0f + 0.5f * (kLeaveLevel + kReturnLevel)), ++frame); // hysteresis
+    EXPECT_EQ(rooms.objects()[0].share, 0.0f);
+    rooms.assign(pool, at(2.0f), ++frame);
+    EXPECT_GT(rooms.objects()[0].share, 0.0f);
 }
