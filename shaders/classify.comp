@@ -10,6 +10,9 @@ layout(push_constant, scalar) uniform Constants { PlanPush push; };
 
 // Display change per radian that is expected of any tile: even a dull one is looked after now and then.
 const float kLeastRate = 0.02;
+// Radians that the eye has turned around a tile after which its light counts as another view's: after a cut,
+// nothing of the view before may be seen.
+const float kCutAngle = 0.2;
 
 // Can the tile be derived: are its four children all marked? `litToo`: and do they all hold light already?
 bool childrenServe(ObjectAt object, uint mip, uvec2 tile, bool litToo)
@@ -72,6 +75,8 @@ uint judge(ObjectAt object, uint mip, uvec2 tile)
     float change = angle > 1e-5 ? angle * rateAround(object, mip, tile) : 0.0;
     if (change <= push.tolerance)
         return kVerdictKeep;
+    if (angle > kCutAngle)
+        return kPriorityChanged;
     return min(uint(4.0 * log2(change / push.tolerance)), kPriorityChanged - 1u);
 }
 

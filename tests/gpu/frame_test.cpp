@@ -181,6 +181,19 @@ TEST_F(FrameTest, AnOrbitLightsAPartAndStaysNearTheTruth)
               1.1 * compareImages(lightingAll.readDisplay(), truth.display).rmse);
 }
 
+TEST_F(FrameTest, AfterACutNothingIsLeftOfTheViewBefore)
+{
+    const TestScene s = sphereScene(bumpyMaps(256, 1.0f, 100.0f));
+    const scene::Camera before = cameraAt({2.6f, 0.5f, 1.5f}), after = cameraAt({0.0f, 0.5f, 3.0f});
+    Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
+    renderer.render(before);
+    renderer.render(after);
+    const Picture truth = shoot(s, after, settingsFor(Shading::reference));
+    const Picture alone = shoot(s, after, settingsFor(Shading::tsl));
+    EXPECT_LT(compareImages(renderer.readDisplay(), truth.display).rmse,
+              1.1 * compareImages(alone.display, truth.display).rmse);
+}
+
 TEST_F(FrameTest, StatisticsNameEveryObjectsModeAndThePriceOfLargerTiles)
 {
     TestScene s;
