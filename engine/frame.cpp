@@ -11,6 +11,7 @@ namespace lumel {
 void Renderer::recordFrame(Frame& frame)
 {
     settled_ = true;
+    deform_.record(frame); // joints and morph targets move vertices
     if (settings_.shading == Shading::tsl)
         recordTextureSpace(frame);
     if (settings_.shading == Shading::reference)

@@ -1,5 +1,6 @@
 // The renderer: one scene, one picture size, frame after frame.
 #pragma once
+#include "passes/deform_pass.h"
 #include "passes/display_pass.h"
 #include "passes/draw_pass.h"
 #include "passes/light_pass.h"
@@ -35,6 +36,7 @@ public:
     {
         scene_.moveObject(object, worldFromObject, frameIndex_ + 1);
     }
+    void bend(const scene::Shapes& shapes) { scene_.bend(shapes, frameIndex_ + 1); }
 
     // Of the last frame, in the scene's order; without names.
     std::vector<ObjectStats> objectStats() const;
@@ -65,6 +67,7 @@ private:
     Targets targets_;
     GpuScene scene_;
     LitPool pool_;
+    DeformPass deform_;
     NeedPass need_;
     PlanPass plan_;
     LightPass light_;

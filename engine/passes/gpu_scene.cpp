@@ -110,6 +110,10 @@ GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
     for (const scene::Mesh& mesh : scene.meshes)
         meshes_.push_back({gpu::uploadBuffer(device, mesh.vertices, mesh.name + " vertices"),
                            gpu::uploadBuffer(device, mesh.indices, mesh.name + " indices")});
+    std::vector<vk::DeviceAddress> restVertices;
+    for (const GpuMesh& mesh : meshes_)
+        restVertices.push_back(mesh.vertices.address());
+    deformed_ = DeformedMeshes(device, scene, restVertices);
     materials_.reserve(materials.size()); // sets point into it
     for (size_t i = 0; i < materials.size(); ++i)
         uploadMaterial(device, materials[i], scene.materials[i]);
@@ -207,7 +211,27 @@ void GpuScene::moveObject(size_t object, const glm::mat4& worldFromObject, uint3
     data.worldFromObject = worldFromObject;
     data.worldFromObjectNormal = glm::transpose(glm::inverse(glm::mat3(worldFromObject)));
     data.changed = changed_ = frame;
-    objects_[object].mirrored = glm::determinant(glm::mat3(worldFromObject)) < 0.0f;
+    takeShape(objects_[object]);
+}
+
+void GpuScene::bend(const scene::Shapes& shapes, uint32_t frame)
+{
+    const std::vector<uint8_t> moved = deformed_.set(shapes);
+    for (GpuObject& object : objects_)
+        if (object.deformed >= 0 && moved[size_t(object.deformed)]) {
+            takeShape(object);
+            object.data.changed = changed_ = frame;
+        }
+}
+
+void GpuScene::takeShape(GpuObject& object) const
+{
+    object.mirrored = glm::determinant(glm::mat3(object.data.worldFromObject)) < 0.0f;
+    if (object.deformed < 0)
+        return;
+    const DeformedMeshes::Item& item = deformed_.items()[size_t(object.deformed)];
+    object.bounds = item.bounds;
+    object.mirrored = object.mirrored != item.mirrored;
 }
 
 const GpuTexelMap* GpuScene::texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
@@ -233,11 +257,13 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     result.indices = meshes_[size_t(object.mesh)].indices.handle();
     result.indexCount = uint32_t(mesh.indices.size());
     result.bounds = mesh.bounds;
+    result.deformed = object.deformed;
     result.blend = material.alphaMode == scene::AlphaMode::blend;
 
     shared::Object& data = result.data;
     data = {};
-    data.vertices = meshes_[size_t(object.mesh)].vertices.address();
+    data.vertices = object.deformed >= 0 ? deformed_.items()[size_t(object.deformed)].vertices.address()
+                                         : meshes_[size_t(object.mesh)].vertices.address();
     data.indices = meshes_[size_t(object.mesh)].indices.address();
     const bool same = readsMaterialAtLitUvs(mesh);
     const int width = int(gpuMaterial.size.x), height = int(gpuMaterial.size.y);
@@ -257,6 +283,7 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
             data.texelOffsets[i] = result.texelMap->map.offsets[i];
     }
     objects_.push_back(result);
+    takeShape(objects_.back());
     moveObject(objects_.size() - 1, object.worldFromObject, 0);
 }
 

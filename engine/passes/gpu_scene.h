@@ -1,5 +1,6 @@
 // A scene on the GPU: meshes, texel maps, material maps, lights, and the object table of each frame.
 #pragma once
+#include "deformed_meshes.h"
 #include "gpu/pipeline.h"
 #include "gpu/resource.h"
 #include "scene/materials.h"
@@ -32,7 +33,8 @@ struct GpuObject {
     const GpuTexelMap* texelMap = nullptr; // null: not to be lit in texture space
     vk::Buffer indices;
     uint32_t indexCount = 0;
-    Bounds bounds; // object space
+    Bounds bounds;     // object space
+    int deformed = -1; // in GpuScene::deformedMeshes()
     bool blend = false;
     bool mirrored = false; // the transform flips triangle winding
 };
@@ -56,6 +58,9 @@ public:
     // Lights as of `frame`: what a light that changed reaches is lit again. Throws Error beyond kMaxLights.
     void setLights(const std::vector<scene::Light>& lights, uint32_t frame);
     void moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame);
+    // The shapes of all that bends. What has changed is lit again.
+    void bend(const scene::Shapes& shapes, uint32_t frame);
+    DeformedMeshes& deformedMeshes() { return deformed_; }
     uint32_t changed() const { return changed_; } // frame of the last change to lights or objects
     uint32_t lightCount() const { return lightCount_; }
     glm::vec3 skyRadiance() const { return sky_; }
@@ -92,11 +97,13 @@ private:
     void addObject(const gpu::Device& device, const scene::Scene& scene, const scene::Object& object);
     const GpuTexelMap* texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
                                    glm::uvec2 grid);
+    void takeShape(GpuObject& object) const;
 
     gpu::SetLayout frameLayout_, materialLayout_;
     vk::raii::DescriptorSet frameSet_ = nullptr;
     std::vector<vk::raii::Sampler> samplers_; // by wrapU + 3 wrapV
     std::vector<GpuMesh> meshes_;
+    DeformedMeshes deformed_;
     std::vector<GpuMaterial> materials_;
     std::map<std::tuple<int, uint32_t, uint32_t>, std::unique_ptr<GpuTexelMap>> texelMaps_;
     std::vector<GpuObject> objects_;

@@ -307,8 +307,6 @@ void DocumentReader::readImages()
 
 void DocumentReader::dropUndrawn()
 {
-    if (root_.erase("skins") > 0)
-        document_.ignored.insert("skins");
     // glTF 2.0, section 3.11: a channel without a node moves something that only an extension knows.
     if (!root_.contains("animations") || !root_["animations"].is_array())
         return;

@@ -55,9 +55,12 @@ void dropUnused(Mesh& mesh)
         if (renamed[i] == kUnused)
             continue;
         mesh.vertices[count] = mesh.vertices[i];
+        if (!mesh.sources.empty())
+            mesh.sources[count] = mesh.sources[i];
         renamed[i] = count++;
     }
     mesh.vertices.resize(count);
+    mesh.sources.resize(std::min(mesh.sources.size(), size_t(count)));
     for (uint32_t& index : mesh.indices)
         index = renamed[index];
 }
@@ -151,7 +154,7 @@ void readTriangles(Reader& reader, const tinygltf::Primitive& primitive, Mesh& m
     mesh.indices = triangleList(indices, primitive.mode);
 }
 
-void completeFrames(const Attributes& use, bool hasMaterialUvs, Mesh& mesh)
+MadeFrames completeFrames(const Attributes& use, bool hasMaterialUvs, Mesh& mesh)
 {
     if (use.normal < 0)
         makeFlatNormals(mesh);
@@ -163,6 +166,7 @@ void completeFrames(const Attributes& use, bool hasMaterialUvs, Mesh& mesh)
         makeTangents(mesh);
     else
         makeArbitraryTangents(mesh);
+    return {.normals = use.normal < 0, .tangents = hasMaterialUvs && (use.tangent < 0 || use.normal < 0)};
 }
 
 void noteUndrawn(Reader& reader, const tinygltf::Primitive& primitive)
@@ -172,8 +176,6 @@ void noteUndrawn(Reader& reader, const tinygltf::Primitive& primitive)
         ignored.insert("vertex colours");
     if (primitive.attributes.contains("TEXCOORD_2"))
         ignored.insert("further UV sets");
-    if (!primitive.targets.empty())
-        ignored.insert("morph targets");
     if (!isTriangles(primitive.mode))
         ignored.insert("points and lines");
 }
@@ -194,19 +196,23 @@ int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const Materia
     mesh.name = name;
     readVertices(reader, use, mesh);
     readTriangles(reader, primitive, mesh);
-    reader.readElements += mesh.vertices.size() + mesh.indices.size();
-    if (reader.readElements > kMaxReadElements)
-        reader.fail(fmt::format("its meshes name more than {} vertices and indices", kMaxReadElements),
-                    "split the model");
+    reader.countElements(mesh.vertices.size() + mesh.indices.size());
     if (mesh.indices.empty())
         return -1;
     const UvSets sets = readUvSets(reader, use, mesh.vertices.size());
     setMaterialUvs(reader, sets, material, mesh);
     chooseLitUvs(sets, mesh);
+    if (deforms(primitive)) {
+        mesh.sources.resize(mesh.vertices.size());
+        std::iota(mesh.sources.begin(), mesh.sources.end(), 0u);
+    }
     dropUnused(mesh);
-    completeFrames(use, !sets[size_t(material.uv.set)].empty(), mesh);
+    const MadeFrames made = completeFrames(use, !sets[size_t(material.uv.set)].empty(), mesh);
     for (const Vertex& v : mesh.vertices)
         mesh.bounds.add(v.position);
+    if (deforms(primitive))
+        readDeformation(reader, primitive, made, mesh);
+    mesh.sources = {};
     reader.sceneVertices += mesh.vertices.size();
     if (reader.sceneVertices > kMaxSceneVertices)
         reader.fail(fmt::format("more than {} vertices", kMaxSceneVertices), "split the model");
@@ -224,6 +230,13 @@ std::vector<int> cacheKey(const tinygltf::Primitive& p, const Material& material
         for (float value : {m.offset.x, m.offset.y, m.scale.x, m.scale.y, m.rotation})
             key.push_back(std::bit_cast<int>(value));
     }
+    for (const char* name : {"JOINTS_0", "WEIGHTS_0", "JOINTS_1", "WEIGHTS_1"})
+        key.push_back(attribute(p, name));
+    for (const auto& target : p.targets)
+        for (const char* name : {"POSITION", "NORMAL", "TANGENT"}) {
+            const auto found = target.find(name);
+            key.push_back(found == target.end() ? -1 : found->second);
+        }
     return key;
 }
 
@@ -238,6 +251,9 @@ std::vector<Primitive> readMesh(Reader& reader, int index, Scene& scene, Primiti
     std::vector<Primitive> primitives;
     for (size_t i = 0; i < mesh.primitives.size(); ++i) {
         const tinygltf::Primitive& p = mesh.primitives[i];
+        if (p.targets.size() != mesh.primitives.front().targets.size())
+            reader.fail(fmt::format("mesh '{}' has primitives of {} and of {} morph targets", name,
+                                    mesh.primitives.front().targets.size(), p.targets.size()));
         if (p.material < -1 || p.material >= int(reader.model.materials.size()))
             reader.fail(fmt::format("mesh '{}' names material {}, which does not exist", name, p.material));
         const Material material = p.material >= 0 ? scene.materials[size_t(p.material)] : Material{};

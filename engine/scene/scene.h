@@ -3,6 +3,7 @@
 #include "animation.h"
 #include "core/image.h"
 #include "core/math.h"
+#include "deformation.h"
 #include "shared/structs.h"
 #include <filesystem>
 #include <optional>
@@ -33,6 +34,9 @@ struct Mesh {
     // 1]", "no UVs", "UVs cover no area".
     std::string uvProblem;
     std::optional<UnwrapReport> unwrapped; // the lit UVs were made here
+    Deformation deformation;
+    // While the mesh is read, where its vertices are copied and left out: the file's vertex that each one is.
+    std::vector<uint32_t> sources;
 };
 
 enum class AlphaMode { opaque, mask, blend };
@@ -111,6 +115,8 @@ struct Object {
     int mesh = 0;
     int material = 0;
     int node = -1;                   // in Scene::animation that moves it, -1 none
+    int deformed = -1;               // in Scene::deformed, -1: the mesh as it is
+    glm::mat4 nodeFromObject{1.0f};  // of an instance
     glm::mat4 worldFromObject{1.0f}; // invertible; where it mirrors, front faces turn clockwise
 };
 
@@ -148,8 +154,10 @@ struct Scene {
     std::vector<Object> objects;
     std::vector<Camera> cameras; // as in the file; may be empty
     std::vector<Light> lights;   // as in the file; may be empty
-    Animation animation;         // objects, cameras and lights are where the nodes say, not the tracks
-    Bounds bounds;               // of all objects, world space
+    std::vector<Skin> skins;
+    std::vector<DeformedMesh> deformed;
+    Animation animation; // objects, cameras and lights are where the nodes say, not the tracks
+    Bounds bounds;       // of all objects, world space
 };
 
 // Loads .gltf (with files beside it or embedded) or .glb. Throws Error, one line naming file and remedy,

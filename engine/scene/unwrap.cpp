@@ -215,6 +215,7 @@ void apply(const Unwrapping& unwrapping, Mesh& mesh)
     }
     mesh.vertices = std::move(vertices);
     mesh.indices = unwrapping.indices;
+    mesh.deformation = gathered(mesh.deformation, unwrapping.sources);
     mesh.unwrapped = measureUnwrap(mesh);
     mesh.unwrapped->charts = unwrapping.charts;
     mesh.unwrapped->gap = unwrapping.gap;

@@ -20,6 +20,11 @@ layout(buffer_reference) buffer Needs;
 layout(buffer_reference) buffer Plans;
 layout(buffer_reference) buffer Jobs;
 layout(buffer_reference) buffer Marks;
+layout(buffer_reference) buffer DeformedVertices;
+layout(buffer_reference) buffer Influences;
+layout(buffer_reference) buffer MorphDeltas;
+layout(buffer_reference) buffer Matrices;
+layout(buffer_reference) buffer Floats;
 #endif
 
 struct Vertex {
@@ -29,6 +34,18 @@ struct Vertex {
     vec2 uv;       // lit UVs: where its lumels are; unique, (0, 0) = upper left corner
     vec2 materialUv; // where the material's maps are read; equal to uv where the file's own are unique
     vec2 glowUv;     // the same for emission and occlusion
+};
+
+// How strongly a joint moves a vertex. A vertex's weights sum to 1.
+struct Influence {
+    uint joint;
+    float weight;
+};
+
+// What a morph target adds to a vertex at weight 1.
+struct MorphDelta {
+    uint target;
+    vec3 position, normal, tangent;
 };
 
 LUMEL_CONST uint kLightDirectional = 0u;
@@ -188,6 +205,20 @@ struct Need {
 // A sample of the need pass: object + 1 above kSeenObjectShift, n of its level below.
 LUMEL_CONST uint kSeenObjectShift = 12u;
 LUMEL_CONST uint kSeenLevelMask = 0xfffu;
+
+// Of one mesh that joints or morph targets move.
+struct DeformPush {
+    LUMEL_ADDRESS(Vertices) rest;
+    LUMEL_ADDRESS(DeformedVertices) deformed;
+    LUMEL_ADDRESS(Influences) joints; // `influences` of each vertex
+    LUMEL_ADDRESS(Indices) firstDeltas; // of each vertex, and one more for the last's end
+    LUMEL_ADDRESS(MorphDeltas) deltas;
+    LUMEL_ADDRESS(Matrices) matrices; // of the skin's joints: from the mesh to where they take it
+    LUMEL_ADDRESS(Floats) weights;    // of the morph targets
+    uint vertexCount;
+    uint influences;
+    uint morphs; // 1: there are deltas
+};
 
 struct NeedPush {
     LUMEL_ADDRESS(Needs) needs;

@@ -1,0 +1,32 @@
+#include "deform_pass.h"
+#include <algorithm>
+
+namespace lumel {
+
+void DeformPass::record(Frame& frame)
+{
+    DeformedMeshes& meshes = frame.scene.deformedMeshes();
+    std::vector<uint8_t> wanted(meshes.items().size(), 0);
+    for (size_t i = 0; i < frame.inView.size(); ++i)
+        if (const int deformed = frame.scene.objects()[i].deformed; deformed >= 0 && frame.inView[i])
+            wanted[size_t(deformed)] = meshes.items()[size_t(deformed)].stale;
+    if (std::none_of(wanted.begin(), wanted.end(), [](uint8_t is) { return is != 0; }))
+        return;
+    if (!*pipeline_.handle)
+        pipeline_ = gpu::makeComputePipeline(frame.device, "deform.comp", {*frame.scene.frameLayout()},
+                                             sizeof(shared::DeformPush));
+    const PassScope scope(frame, "deform");
+    bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline_);
+    for (size_t i = 0; i < wanted.size(); ++i) {
+        if (!wanted[i])
+            continue;
+        const shared::DeformPush& push = meshes.items()[i].push;
+        pushConstants(frame.commands, pipeline_, push);
+        constexpr uint32_t kMostGroups = 32768; // a group takes more vertices where there are more
+        frame.commands.dispatch(std::min(groupsOf64(push.vertexCount), kMostGroups), 1, 1);
+        meshes.markFresh(i);
+    }
+    gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::general);
+}
+
+} // namespace lumel
