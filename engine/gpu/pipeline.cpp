@@ -117,17 +117,42 @@ void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding,
         nullptr);
 }
 
-Pipeline makeComputePipeline(const Device& device, const std::string& shader,
-                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes)
+namespace {
+
+// Specialisation constants by their numbers. Shaders without one of them do not mind.
+struct Constants {
+    uint32_t constant, coloured;
+};
+constexpr vk::SpecializationMapEntry kConstants[] = {
+    {.constantID = 0, .offset = offsetof(Constants, constant), .size = sizeof(uint32_t)},
+    {.constantID = 1, .offset = offsetof(Constants, coloured), .size = sizeof(uint32_t)}};
+
+vk::SpecializationInfo specialisation(const Constants& values)
 {
+    return {.mapEntryCount = uint32_t(std::size(kConstants)),
+            .pMapEntries = kConstants,
+            .dataSize = sizeof(values),
+            .pData = &values};
+}
+
+} // namespace
+
+Pipeline makeComputePipeline(const Device& device, const std::string& shader,
+                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
+                             bool coloured)
+{
+    const Constants values{0, coloured};
+    const vk::SpecializationInfo constants = specialisation(values);
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);
     const auto module = makeModule(device, shader);
-    pipeline.handle = vk::raii::Pipeline(
-        device.handle(), nullptr,
-        vk::ComputePipelineCreateInfo{
-            .stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *module, .pName = "main"},
-            .layout = *pipeline.layout});
+    pipeline.handle =
+        vk::raii::Pipeline(device.handle(), nullptr,
+                           vk::ComputePipelineCreateInfo{.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
+                                                                   .module = *module,
+                                                                   .pName = "main",
+                                                                   .pSpecializationInfo = &constants},
+                                                         .layout = *pipeline.layout});
     device.name(pipeline.handle, shader);
     return pipeline;
 }
@@ -138,17 +163,16 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
     const auto vertex = makeModule(device, info.vertex);
     const auto fragment = makeModule(device, info.fragment);
-    const vk::SpecializationMapEntry entry{.constantID = 0, .offset = 0, .size = sizeof(info.constant)};
-    const vk::SpecializationInfo constants{.mapEntryCount = 1,
-                                           .pMapEntries = &entry,
-                                           .dataSize = sizeof(info.constant),
-                                           .pData = &info.constant};
-    const vk::PipelineShaderStageCreateInfo stages[] = {
-        {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
-        {.stage = vk::ShaderStageFlagBits::eFragment,
-         .module = *fragment,
-         .pName = "main",
-         .pSpecializationInfo = &constants}};
+    const Constants values{info.constant, info.coloured};
+    const vk::SpecializationInfo constants = specialisation(values);
+    const vk::PipelineShaderStageCreateInfo stages[] = {{.stage = vk::ShaderStageFlagBits::eVertex,
+                                                         .module = *vertex,
+                                                         .pName = "main",
+                                                         .pSpecializationInfo = &constants},
+                                                        {.stage = vk::ShaderStageFlagBits::eFragment,
+                                                         .module = *fragment,
+                                                         .pName = "main",
+                                                         .pSpecializationInfo = &constants}};
     const vk::PipelineVertexInputStateCreateInfo noInput;
     const vk::PipelineInputAssemblyStateCreateInfo triangles{.topology =
                                                                  vk::PrimitiveTopology::eTriangleList};

@@ -27,7 +27,8 @@ struct Pipeline {
 };
 
 Pipeline makeComputePipeline(const Device& device, const std::string& shader,
-                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes);
+                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
+                             bool coloured = false);
 
 struct GraphicsInfo {
     std::string vertex, fragment;
@@ -36,10 +37,11 @@ struct GraphicsInfo {
     vk::Format color = vk::Format::eR16G16B16A16Sfloat;
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
     uint32_t constant = 0; // the fragment shader's specialisation constant 0, if it has one
+    bool coloured = false; // kColoured of both shaders
     bool blend = false;    // over, straight alpha; equal depth passes, none is written
 };
-// Indexed triangle list without vertex input (shaders pull vertices), reversed depth in D32, dynamic viewport, scissor, cull
-// mode and front face.
+// Indexed triangle list without vertex input (shaders pull vertices), reversed depth in D32, dynamic
+// viewport, scissor, cull mode and front face.
 Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info);
 
 } // namespace lumel::gpu

@@ -3,11 +3,11 @@
 
 namespace lumel {
 
-const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind)
+const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind, bool coloured)
 {
     const bool multisampling = bool(frame.targets.multisampled);
     const DrawFilter filter = kind == Kind::lit ? frame.settings.filter : DrawFilter{};
-    gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, filter}];
+    gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, filter, coloured}];
     if (*pipeline.handle)
         return pipeline;
     gpu::GraphicsInfo info{.vertex = "surface.vert",
@@ -17,6 +17,7 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
                            .samples =
                                multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1,
                            .constant = uint32_t(filter),
+                           .coloured = coloured,
                            .blend = kind == Kind::blended};
     if (kind == Kind::lit) {
         info.fragment = "draw.frag";
@@ -63,7 +64,7 @@ void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, flo
     const vk::CommandBuffer commands = frame.commands;
     const GpuObject& o = frame.scene.objects()[object];
     const gpu::Pipeline& forward =
-        pipeline(frame, pool, o.blend || opacity < 1.0f ? Kind::blended : Kind::forward);
+        pipeline(frame, pool, o.blend || opacity < 1.0f ? Kind::blended : Kind::forward, o.coloured);
     bindSets(frame, vk::PipelineBindPoint::eGraphics, forward, {*o.material->set});
     shared::ForwardPush push{.draw = {.object = uint32_t(object),
                                       .opacity = opacity,

@@ -12,13 +12,14 @@ public:
 private:
     enum class Kind { lit, forward, blended, view, pool };
     // Made when first needed and kept: settings change back and forth.
-    const gpu::Pipeline& pipeline(const Frame& frame, const LitPool& pool, Kind kind);
+    const gpu::Pipeline& pipeline(const Frame& frame, const LitPool& pool, Kind kind, bool coloured = false);
     void drawLit(Frame& frame, const LitPool& pool, size_t object);
     // opacity < 1: over what is there.
     void drawForward(Frame& frame, const LitPool& pool, size_t object, float opacity);
     void drawView(Frame& frame, const LitPool& pool, size_t object);
-    void drawPool(Frame& frame, const LitPool& pool);                       // every texture, side by side
-    std::map<std::tuple<Kind, bool, DrawFilter>, gpu::Pipeline> pipelines_; // by multisampling and filter
+    void drawPool(Frame& frame, const LitPool& pool); // every texture, side by side
+    // By multisampling, filter and vertex colours.
+    std::map<std::tuple<Kind, bool, DrawFilter, bool>, gpu::Pipeline> pipelines_;
 };
 
 } // namespace lumel

@@ -4,6 +4,7 @@
 #include "lit_pool.h"
 #include "shared/shading.h"
 #include <fmt/format.h>
+#include <glm/gtc/packing.hpp>
 #include <tbb/parallel_for.h>
 
 namespace lumel {
@@ -74,6 +75,26 @@ float glowLevelOffset(const scene::Mesh& mesh)
     return glow > 0.0 && own > 0.0 ? float(0.5 * std::log2(glow / own)) : 0.0f;
 }
 
+gpu::Buffer uploadColours(const gpu::Device& device, const scene::Mesh& mesh)
+{
+    if (mesh.colours.empty())
+        return {};
+    std::vector<glm::uvec2> packed;
+    for (const glm::vec4& c : mesh.colours)
+        packed.emplace_back(glm::packHalf2x16({c.r, c.g}), glm::packHalf2x16({c.b, c.a}));
+    return gpu::uploadBuffer(device, packed, mesh.name + " colours");
+}
+
+// What is not metal reflects this much whatever its base colour is; that of a specular-glossiness material
+// has no say in reflectance at all: -1.
+float dielectricReflectance(const scene::Material& material)
+{
+    if (material.specularGlossiness)
+        return -1.0f;
+    const float ratio = (material.ior - 1.0f) / (material.ior + 1.0f); // KHR_materials_ior; 0 gives 1
+    return ratio * ratio * material.specular;
+}
+
 shared::Light packLight(const scene::Light& light)
 {
     shared::Light packed{};
@@ -109,7 +130,8 @@ GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
                                                          .maxLod = VK_LOD_CLAMP_NONE});
     for (const scene::Mesh& mesh : scene.meshes)
         meshes_.push_back({gpu::uploadBuffer(device, mesh.vertices, mesh.name + " vertices"),
-                           gpu::uploadBuffer(device, mesh.indices, mesh.name + " indices")});
+                           gpu::uploadBuffer(device, mesh.indices, mesh.name + " indices"),
+                           uploadColours(device, mesh)});
     std::vector<vk::DeviceAddress> restVertices;
     for (const GpuMesh& mesh : meshes_)
         restVertices.push_back(mesh.vertices.address());
@@ -258,6 +280,7 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     result.indexCount = uint32_t(mesh.indices.size());
     result.bounds = mesh.bounds;
     result.deformed = object.deformed;
+    result.coloured = !mesh.colours.empty();
     result.blend = material.alphaMode == scene::AlphaMode::blend;
 
     shared::Object& data = result.data;
@@ -265,12 +288,16 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     data.vertices = object.deformed >= 0 ? deformed_.items()[size_t(object.deformed)].vertices.address()
                                          : meshes_[size_t(object.mesh)].vertices.address();
     data.indices = meshes_[size_t(object.mesh)].indices.address();
+    data.colours = meshes_[size_t(object.mesh)].colours.address();
+    data.dielectric = dielectricReflectance(material);
     const bool same = readsMaterialAtLitUvs(mesh);
     const int width = int(gpuMaterial.size.x), height = int(gpuMaterial.size.y);
     data.litSize = same ? tsl::lumelGrid(width, height) : tsl::lumelGrid(mesh, width, height);
     data.materialLevelOffset = std::log2(float(gpuMaterial.size.x) / float(data.litSize.x));
     data.glowLevelOffset = same ? 0.0f : glowLevelOffset(mesh);
     data.flags = material.doubleSided ? shared::kObjectDoubleSided : 0u;
+    if (material.unlit)
+        data.flags |= shared::kObjectUnlit;
     if (!same)
         data.flags |= shared::kObjectOwnMaterialUv;
     data.alphaCutoff = material.alphaCutoff;

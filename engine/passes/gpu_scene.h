@@ -36,6 +36,7 @@ struct GpuObject {
     Bounds bounds;     // object space
     int deformed = -1; // in GpuScene::deformedMeshes()
     bool blend = false;
+    bool coloured = false; // its vertices have colours
     bool mirrored = false; // the transform flips triangle winding
 };
 
@@ -83,7 +84,7 @@ public:
 
 private:
     struct GpuMesh {
-        gpu::Buffer vertices, indices;
+        gpu::Buffer vertices, indices, colours;
     };
     void uploadMaterial(const gpu::Device& device, const scene::BakedMaterial& baked,
                         const scene::Material& material);

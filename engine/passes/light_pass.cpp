@@ -1,11 +1,20 @@
 #include "light_pass.h"
 
 namespace lumel {
+namespace {
+
+gpu::Pipeline makeLightPipeline(const gpu::Device& device, const GpuScene& scene, const LitPool& pool,
+                                bool coloured)
+{
+    return gpu::makeComputePipeline(device, "light.comp",
+                                    {*scene.frameLayout(), *scene.materialLayout(), *pool.layout()},
+                                    sizeof(shared::LightPush), coloured);
+}
+
+} // namespace
 
 LightPass::LightPass(const gpu::Device& device, const GpuScene& scene, const LitPool& pool)
-    : light_(gpu::makeComputePipeline(device, "light.comp",
-                                      {*scene.frameLayout(), *scene.materialLayout(), *pool.layout()},
-                                      sizeof(shared::LightPush))),
+    : light_(makeLightPipeline(device, scene, pool, false)),
       lower_(gpu::makeComputePipeline(device, "lower.comp", {*scene.frameLayout(), *pool.layout()},
                                       sizeof(shared::LightPush)))
 {
@@ -17,9 +26,12 @@ void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& p
     const vk::CommandBuffer commands = frame.commands;
     for (uint32_t i = 0; i < plan.lightJobs().size(); ++i) {
         const PlanPass::LightJob& job = plan.lightJobs()[i];
-        bindSets(frame, vk::PipelineBindPoint::eCompute, light_,
+        if (job.coloured && !*colouredLight_.handle)
+            colouredLight_ = makeLightPipeline(frame.device, frame.scene, pool, true);
+        const gpu::Pipeline& light = job.coloured ? colouredLight_ : light_;
+        bindSets(frame, vk::PipelineBindPoint::eCompute, light,
                  {*job.material->set, *pool.blocks()[size_t(job.block)].set});
-        pushConstants(commands, light_, plan.push(i));
+        pushConstants(commands, light, plan.push(i));
         commands.dispatchIndirect(plan.jobBuffer(), i * sizeof(shared::Job));
     }
     gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::computeReadWrite);

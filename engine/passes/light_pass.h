@@ -13,6 +13,7 @@ public:
 
 private:
     gpu::Pipeline light_, lower_;
+    gpu::Pipeline colouredLight_; // made when the first vertex colours are lit
 };
 
 } // namespace lumel

@@ -205,6 +205,11 @@ size_t accessorCount(const Reader& reader, int accessor)
     return accessorAt(reader, accessor).count;
 }
 
+bool isVec3(const Reader& reader, int accessor)
+{
+    return accessorAt(reader, accessor).type == TINYGLTF_TYPE_VEC3;
+}
+
 std::vector<float> readFloats(const Reader& reader, int index, int components, Storage storage,
                               const char* what)
 {

@@ -140,6 +140,19 @@ void setMaterialUvs(const Reader& reader, const UvSets& sets, const Material& ma
     }
 }
 
+// Alpha counts where the material's does. Colours beyond half floats' range make no picture.
+void readColours(Reader& reader, int accessor, size_t fileVertices, AlphaMode mode, Mesh& mesh)
+{
+    const int components = isVec3(reader, accessor) ? 3 : 4;
+    const auto values =
+        readAttribute(reader, accessor, components, Storage::floatOrUnorm, "COLOR_0", fileVertices);
+    for (const uint32_t source : mesh.sources) {
+        const float* c = &values[size_t(components) * source];
+        const float alpha = components == 4 && mode != AlphaMode::opaque ? c[3] : 1.0f;
+        mesh.colours.push_back(glm::clamp(glm::vec4(c[0], c[1], c[2], alpha), 0.0f, 60000.0f));
+    }
+}
+
 void readTriangles(Reader& reader, const tinygltf::Primitive& primitive, Mesh& mesh)
 {
     std::vector<uint32_t> indices;
@@ -172,8 +185,6 @@ MadeFrames completeFrames(const Attributes& use, bool hasMaterialUvs, Mesh& mesh
 void noteUndrawn(Reader& reader, const tinygltf::Primitive& primitive)
 {
     auto& ignored = reader.document.ignored;
-    if (primitive.attributes.contains("COLOR_0"))
-        ignored.insert("vertex colours");
     if (primitive.attributes.contains("TEXCOORD_2"))
         ignored.insert("further UV sets");
     if (!isTriangles(primitive.mode))
@@ -202,7 +213,8 @@ int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const Materia
     const UvSets sets = readUvSets(reader, use, mesh.vertices.size());
     setMaterialUvs(reader, sets, material, mesh);
     chooseLitUvs(sets, mesh);
-    if (deforms(primitive)) {
+    const int colours = attribute(primitive, "COLOR_0");
+    if (deforms(primitive) || colours >= 0) {
         mesh.sources.resize(mesh.vertices.size());
         std::iota(mesh.sources.begin(), mesh.sources.end(), 0u);
     }
@@ -212,6 +224,8 @@ int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const Materia
         mesh.bounds.add(v.position);
     if (deforms(primitive))
         readDeformation(reader, primitive, made, mesh);
+    if (colours >= 0)
+        readColours(reader, colours, accessorCount(reader, use.position), material.alphaMode, mesh);
     mesh.sources = {};
     reader.sceneVertices += mesh.vertices.size();
     if (reader.sceneVertices > kMaxSceneVertices)
@@ -230,7 +244,8 @@ std::vector<int> cacheKey(const tinygltf::Primitive& p, const Material& material
         for (float value : {m.offset.x, m.offset.y, m.scale.x, m.scale.y, m.rotation})
             key.push_back(std::bit_cast<int>(value));
     }
-    for (const char* name : {"JOINTS_0", "WEIGHTS_0", "JOINTS_1", "WEIGHTS_1"})
+    key.push_back(int(material.alphaMode)); // of the colours
+    for (const char* name : {"COLOR_0", "JOINTS_0", "WEIGHTS_0", "JOINTS_1", "WEIGHTS_1"})
         key.push_back(attribute(p, name));
     for (const auto& target : p.targets)
         for (const char* name : {"POSITION", "NORMAL", "TANGENT"}) {

@@ -49,6 +49,7 @@ std::vector<float> readFloats(const Reader& reader, int accessor, int components
 std::vector<uint32_t> readIndices(const Reader& reader, int accessor, size_t vertexCount);
 // Number of elements; checks only the accessor's index.
 size_t accessorCount(const Reader& reader, int accessor);
+bool isVec3(const Reader& reader, int accessor); // checks only the index
 
 // The mesh's drawable primitives as meshes of the scene, made once however often they are used.
 struct Primitive {

@@ -28,6 +28,7 @@ struct Mesh {
     std::string name;
     std::vector<Vertex> vertices;
     std::vector<uint32_t> indices;
+    std::vector<glm::vec4> colours; // of the vertices, linear; empty: all white
     Bounds bounds;
     // Of the lit UVs (Vertex::uv). Empty when each point of [0, 1]^2 belongs to at most one triangle, so that
     // lumels are unique; else the reason: "UVs overlap by 7.5 %" (of the area they cover), "UVs leave [0,

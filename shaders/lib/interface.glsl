@@ -21,6 +21,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Inf
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MorphDeltas { MorphDelta at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Matrices { mat4 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Floats { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Colours { uvec2 at[]; };
+
+// Do the objects have vertex colours? Those that do have pipelines of their own.
+layout(constant_id = 1) const bool kColoured = false;
 
 // Of the frame. Uniform buffers: loads that are the same for all invocations are cheap from there.
 layout(set = 0, binding = 0, scalar) uniform ViewBlock { View view; };

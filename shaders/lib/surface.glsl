@@ -4,6 +4,7 @@
 #define LUMEL_SURFACE_GLSL
 #include "lib/interface.glsl"
 #include "shared/shading.h"
+#include "shared/tint.h"
 
 layout(set = 1, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
 layout(set = 1, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
@@ -38,6 +39,18 @@ MaterialTexel sampleMaterial(ObjectAt object, vec4 uv, float level)
     return unpackMaterial(textureLod(mapNormal, uv.xy, level), textureLod(mapSpecular, uv.xy, level),
                           textureLod(mapDiffuse, uv.xy, level),
                           sampleBeside(mapGlow, uv.zw, level + object.at.glowLevelOffset));
+}
+
+MaterialTexel tinted(ObjectAt object, MaterialTexel material, vec3 colour)
+{
+    if (object.at.dielectric >= 0.0)
+        for (int c = 0; c < 3; ++c)
+            material.specular[c] =
+                tintedSpecular(material.specular[c], material.diffuse[c], object.at.dielectric, colour[c]);
+    material.diffuse *= colour;
+    if ((object.at.flags & kObjectUnlit) != 0u)
+        material.emitted *= colour;
+    return material;
 }
 
 // A point of a surface as the lights see it.

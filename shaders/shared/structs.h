@@ -25,6 +25,7 @@ layout(buffer_reference) buffer Influences;
 layout(buffer_reference) buffer MorphDeltas;
 layout(buffer_reference) buffer Matrices;
 layout(buffer_reference) buffer Floats;
+layout(buffer_reference) buffer Colours;
 #endif
 
 struct Vertex {
@@ -85,6 +86,7 @@ LUMEL_CONST uint kMaxLevels = 14u; // 8192 lumels down to 1
 LUMEL_CONST uint kObjectDoubleSided = 1u;
 LUMEL_CONST uint kObjectMask = 2u; // alpha below alphaCutoff is cut out
 LUMEL_CONST uint kObjectOwnMaterialUv = 4u; // its material UVs are not its lit UVs
+LUMEL_CONST uint kObjectUnlit = 8u; // its colour is what it emits
 
 struct Object {
     mat4 worldFromObject;
@@ -92,12 +94,14 @@ struct Object {
     LUMEL_ADDRESS(Vertices) vertices;
     LUMEL_ADDRESS(Indices) indices;
     LUMEL_ADDRESS(Texels) texels;  // the mesh's texel map, all levels
+    LUMEL_ADDRESS(Colours) colours; // of the vertices, RGBA in half floats; read where there are any only
     uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
     uvec2 litSize;                 // lumels of level 0, powers of two
     float materialLevelOffset;     // material level = lit level + this, where the UVs are the same
     float glowLevelOffset;         // levels that glow's texels are finer because of UVs of their own
     uint flags;                    // kObject...
     float alphaCutoff;
+    float dielectric;              // reflectance that vertex colours do not tint; < 0: they tint none
     uint changed;                  // frame in which it last moved
     // The lit texture that the object draws this frame: one layer of a pool block.
     uint mips;                    // 0: none, the object is drawn forward
