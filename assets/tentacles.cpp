@@ -129,7 +129,7 @@ void animate(GltfWriter& gltf, const std::vector<int>& joints, int arm)
             const float sway =
                 (j == 0 ? 0.0f : 0.05f + 0.15f * t) * std::sin(turn + 1.7f * phase - 2.4f * t + 1.0f);
             seconds.push_back(kSeconds * float(k) / kKeys);
-            rotations.push_back(glm::angleAxis(curl, glm::vec3(-1, 0, 0)) *
+            rotations.push_back(glm::angleAxis(curl, glm::vec3(1, 0, 0)) *
                                 glm::angleAxis(sway, glm::vec3(0, 0, 1)));
         }
         gltf.turn(joints[size_t(j)], seconds, rotations);

@@ -62,6 +62,7 @@ public:
     // The shapes of all that bends. What has changed is lit again.
     void bend(const scene::Shapes& shapes, uint32_t frame);
     DeformedMeshes& deformedMeshes() { return deformed_; }
+    const DeformedMeshes& deformedMeshes() const { return deformed_; }
     uint32_t changed() const { return changed_; } // frame of the last change to lights or objects
     uint32_t lightCount() const { return lightCount_; }
     glm::vec3 skyRadiance() const { return sky_; }

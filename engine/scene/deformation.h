@@ -15,7 +15,7 @@ struct Scene;
 // What bounds a mesh in any pose, without its vertices.
 struct Extents {
     Bounds mesh;                 // at rest
-    std::vector<Bounds> targets; // around what each morph target adds to positions at weight 1, and 0
+    std::vector<Bounds> targets; // around what each morph target adds to positions at weight 1
     std::vector<std::pair<uint32_t, Bounds>> joints; // around the vertices that each joint has a say in
 };
 

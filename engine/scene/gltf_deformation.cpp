@@ -161,7 +161,7 @@ private:
     void keep(const std::vector<shared::MorphDelta>& deltas)
     {
         Bounds box;
-        box.add(glm::vec3(0.0f)); // weights may be anything between
+        const size_t before = found_.size();
         for (size_t i = 0; i < deltas.size(); ++i) {
             const shared::MorphDelta& d = deltas[i];
             if (d.position == glm::vec3(0.0f) && d.normal == glm::vec3(0.0f) && d.tangent == glm::vec3(0.0f))
@@ -169,6 +169,8 @@ private:
             box.add(d.position);
             found_.emplace_back(uint32_t(i), d);
         }
+        if (found_.size() - before < deltas.size())
+            box.add(glm::vec3(0.0f)); // what it leaves alone
         mesh_.deformation.extents.targets.push_back(box);
     }
 

@@ -112,6 +112,41 @@ TEST_F(Shot, FramesAlongAPath)
     EXPECT_EQ(stats["options"]["path"], "orbit");
 }
 
+TEST_F(Shot, AMorphingSquareIsShownAtItsTime)
+{
+    auto document = squareScene(folder_ / "square.gltf");
+    // Its positions again: weight 1 makes it twice as large. Keys and weights are among the numbers of the
+    // file.
+    document["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 0}}};
+    document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 20}, {"byteLength", 8}});
+    document["accessors"].push_back(
+        {{"bufferView", 3}, {"componentType", 5126}, {"count", 2}, {"type", "SCALAR"}});
+    document["accessors"].push_back({{"componentType", 5126}, {"count", 2}, {"type", "SCALAR"}});
+    document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 12}, {"byteLength", 4}});
+    document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 80}, {"byteLength", 4}});
+    document["accessors"][4]["sparse"] = {
+        {"count", 1},
+        {"indices", {{"bufferView", 5}, {"byteOffset", 2}, {"componentType", 5123}}},
+        {"values", {{"bufferView", 4}}}};
+    document["animations"] = {
+        {{"samplers", {{{"input", 3}, {"output", 4}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}};
+    writeScene(folder_ / "square.gltf", document);
+    const auto shoot = [&](const char* seconds) {
+        const std::string out = std::string(seconds) + ".png";
+        const Outcome outcome = run({"shot", "square.gltf", "--size", "64x48", "--eye", "0,0,8", "--target",
+                                     "0,0,0", "--time", seconds, "-o", out});
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+        return readText(folder_ / out);
+    };
+    const std::string small = shoot("0");
+    EXPECT_TRUE(small == shoot("0"));
+    EXPECT_FALSE(small == shoot("0.5"));
+    document["accessors"][4]["count"] = 3;
+    writeScene(folder_ / "square.gltf", document);
+    expectOneLine(run({"shot", "square.gltf", "-o", "out.png"}), 1, "square.gltf");
+}
+
 TEST_F(Shot, WithoutANumberOnlyTheLastFrameIsWritten)
 {
     writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
