@@ -67,25 +67,30 @@ DeformedMeshes::DeformedMeshes(const gpu::Device& device, const scene::Scene& sc
 
 std::vector<uint8_t> DeformedMeshes::set(const scene::Shapes& shapes)
 {
+    joints_.resize(firstMatrix_.size());
+    std::vector<uint8_t> bent(joints_.size(), 0);
+    for (size_t i = 0; i < joints_.size(); ++i) {
+        if (joints_[i] == shapes.joints[i])
+            continue; // animations pause
+        bent[i] = 1;
+        joints_[i] = shapes.joints[i];
+        std::copy(joints_[i].begin(), joints_[i].end(), matrices_.mapped<glm::mat4>() + firstMatrix_[i]);
+    }
     static const scene::Matrices kNone;
     std::vector<uint8_t> changed(items_.size(), 0);
     for (size_t i = 0; i < items_.size(); ++i) {
         Item& item = items_[i];
-        const scene::Matrices& joints = item.skin >= 0 ? shapes.joints[size_t(item.skin)] : kNone;
-        const std::vector<float>& weights = shapes.weights[i];
-        if (joints == item.joints && weights == item.weights && !item.bounds.empty())
-            continue; // animations pause
+        const bool isBent = item.skin >= 0 && bent[size_t(item.skin)];
+        if (!isBent && item.weights == shapes.weights[i] && !item.bounds.empty())
+            continue;
+        const scene::Matrices& joints = item.skin >= 0 ? joints_[size_t(item.skin)] : kNone;
         changed[i] = 1;
         item.stale = true;
-        item.joints = joints;
-        item.weights = weights;
-        item.bounds = scene::deformedBounds(item.extents, joints, weights);
+        item.weights = shapes.weights[i];
+        item.bounds = scene::deformedBounds(item.extents, joints, item.weights);
         item.mirrored =
             !joints.empty() && glm::determinant(glm::mat3(joints[item.extents.joints.front().first])) < 0.0f;
-        if (item.skin >= 0)
-            std::copy(joints.begin(), joints.end(),
-                      matrices_.mapped<glm::mat4>() + firstMatrix_[size_t(item.skin)]);
-        std::copy(weights.begin(), weights.end(), weights_.mapped<float>() + firstWeight_[i]);
+        std::copy(item.weights.begin(), item.weights.end(), weights_.mapped<float>() + firstWeight_[i]);
     }
     return changed;
 }

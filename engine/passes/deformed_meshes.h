@@ -20,11 +20,10 @@ public:
         shared::DeformPush push{};
         scene::Extents extents;
         int skin = -1;
-        Bounds bounds;                 // object space
-        bool mirrored = false;         // the joints flip triangle winding
-        bool stale = true;             // the vertices are not where they should be
-        std::vector<glm::mat4> joints; // as last set
-        std::vector<float> weights;
+        Bounds bounds;              // object space
+        bool mirrored = false;      // the joints flip triangle winding
+        bool stale = true;          // the vertices are not where they should be
+        std::vector<float> weights; // as last set
     };
     const std::vector<Item>& items() const { return items_; }
     void markFresh(size_t item) { items_[item].stale = false; }
@@ -35,6 +34,7 @@ private:
     };
     gpu::Buffer matrices_, weights_; // of all skins, of all items
     std::vector<size_t> firstMatrix_, firstWeight_;
+    std::vector<scene::Matrices> joints_; // by skin, as last set
     std::vector<Source> sources_;
     std::vector<Item> items_;
 };

@@ -192,6 +192,16 @@ TEST_F(BendingGltf, SkinsOfTheirOwnGiveShapesOfTheirOwn)
     EXPECT_EQ(scene.skins[1].joints[0].jointFromMesh, glm::mat4(1.0f)) << "no inverse bind matrices";
 }
 
+TEST_F(BendingGltf, InstancesOfASkinnedMeshShareItsShapeEachAtItsOwnPlace)
+{
+    gltf.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+        {"TRANSLATION", gltf.floats({0, 0, 0, 7, 8, 9}, "VEC3", 3)}};
+    const Scene scene = load();
+    ASSERT_EQ(scene.objects.size(), 2u);
+    EXPECT_EQ(scene.deformed.size(), 1u);
+    EXPECT_EQ(glm::vec3(scene.objects[1].worldFromObject[3]), glm::vec3(7, 8, 9));
+}
+
 TEST_F(BendingGltf, DamagedSkinsAreRefused)
 {
     const json good = gltf.root;
