@@ -161,7 +161,9 @@ void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
                       .sizePixels = settings_.size,
                       .frame = frame.index,
                       .levelOffset = frame.levelOffset,
-                      .objects = scene_.objectTable()});
+                      .objects = scene_.objectTable(),
+                      .environment = scene_.environment(),
+                      .worldFromClip = glm::mat4(glm::inverse(glm::dmat4(shift * frame.clipFromWorld)))});
 }
 
 FrameStats Renderer::render(const scene::Camera& camera)
@@ -258,6 +260,7 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
                 .lumelBudget = std::min(settings_.lumelBudget, quality_.lumels),
                 .rooms = rooms_};
     renderSize_ = frame.renderSize;
+    scene_.adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, frameIndex_);
     frame.inView = scene_.objectsInView(frame.clipFromWorld);
     scene_.writeObjects();
     writeView(frame, glm::vec2(0.0f));

@@ -31,6 +31,10 @@ public:
 
     // From the next frame on; what they reach is lit again.
     void setLights(const std::vector<scene::Light>& lights) { scene_.setLights(lights, frameIndex_ + 1); }
+    void setEnvironment(std::shared_ptr<const scene::Environment> environment)
+    {
+        scene_.setEnvironment(device_, std::move(environment), frameIndex_ + 1);
+    }
     void moveObject(size_t object, const glm::mat4& worldFromObject)
     {
         scene_.moveObject(object, worldFromObject, frameIndex_ + 1);

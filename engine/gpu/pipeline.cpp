@@ -27,6 +27,20 @@ vk::raii::ShaderModule makeModule(const Device& device, const std::string& shade
     return {device.handle(), {.codeSize = code.size_bytes(), .pCode = code.data()}};
 }
 
+// Specialisation constant 0 has this value. Not to be copied: Vulkan's struct points into it.
+struct SoleConstant {
+    explicit SoleConstant(uint32_t v)
+        : value(v), entry{.constantID = 0, .offset = 0, .size = sizeof(value)},
+          info{.mapEntryCount = 1, .pMapEntries = &entry, .dataSize = sizeof(value), .pData = &value}
+    {
+    }
+    SoleConstant(const SoleConstant&) = delete;
+    SoleConstant& operator=(const SoleConstant&) = delete;
+    uint32_t value;
+    vk::SpecializationMapEntry entry;
+    vk::SpecializationInfo info;
+};
+
 vk::raii::PipelineLayout makeLayout(const Device& device, const std::vector<vk::DescriptorSetLayout>& sets,
                                     uint32_t pushBytes)
 {
@@ -118,15 +132,18 @@ void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding,
 }
 
 Pipeline makeComputePipeline(const Device& device, const std::string& shader,
-                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes)
+                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
+                             uint32_t constant)
 {
+    const SoleConstant constants(constant);
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);
     const auto module = makeModule(device, shader);
     pipeline.handle = vk::raii::Pipeline(
         device.handle(), nullptr,
         vk::ComputePipelineCreateInfo{
-            .stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *module, .pName = "main"},
+            .stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *module, .pName = "main",
+                      .pSpecializationInfo = &constants.info},
             .layout = *pipeline.layout});
     device.name(pipeline.handle, shader);
     return pipeline;
@@ -138,17 +155,13 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
     const auto vertex = makeModule(device, info.vertex);
     const auto fragment = makeModule(device, info.fragment);
-    const vk::SpecializationMapEntry entry{.constantID = 0, .offset = 0, .size = sizeof(info.constant)};
-    const vk::SpecializationInfo constants{.mapEntryCount = 1,
-                                           .pMapEntries = &entry,
-                                           .dataSize = sizeof(info.constant),
-                                           .pData = &info.constant};
+    const SoleConstant constants(info.constant);
     const vk::PipelineShaderStageCreateInfo stages[] = {
         {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
         {.stage = vk::ShaderStageFlagBits::eFragment,
          .module = *fragment,
          .pName = "main",
-         .pSpecializationInfo = &constants}};
+         .pSpecializationInfo = &constants.info}};
     const vk::PipelineVertexInputStateCreateInfo noInput;
     const vk::PipelineInputAssemblyStateCreateInfo triangles{.topology =
                                                                  vk::PrimitiveTopology::eTriangleList};
@@ -158,8 +171,9 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = info.samples};
     const vk::PipelineDepthStencilStateCreateInfo depth{
         .depthTestEnable = VK_TRUE,
-        .depthWriteEnable = !info.blend,
-        .depthCompareOp = info.blend ? vk::CompareOp::eGreaterOrEqual : vk::CompareOp::eGreater};
+        .depthWriteEnable = !info.blend && !info.background,
+        .depthCompareOp =
+            info.blend || info.background ? vk::CompareOp::eGreaterOrEqual : vk::CompareOp::eGreater};
     using Factor = vk::BlendFactor;
     using Component = vk::ColorComponentFlagBits;
     const vk::PipelineColorBlendAttachmentState attachment{.blendEnable = info.blend,

@@ -27,7 +27,8 @@ struct Pipeline {
 };
 
 Pipeline makeComputePipeline(const Device& device, const std::string& shader,
-                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes);
+                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
+                             uint32_t constant = 0); // specialisation constant 0, if it has one
 
 struct GraphicsInfo {
     std::string vertex, fragment;
@@ -37,6 +38,7 @@ struct GraphicsInfo {
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
     uint32_t constant = 0; // the fragment shader's specialisation constant 0, if it has one
     bool blend = false;    // over, straight alpha; equal depth passes, none is written
+    bool background = false; // at infinity, where nothing else is drawn
 };
 // Indexed triangle list without vertex input (shaders pull vertices), reversed depth in D32, dynamic viewport, scissor, cull
 // mode and front face.

@@ -22,6 +22,7 @@ struct GpuTexelMap {
 
 struct GpuMaterial {
     gpu::Image normal, specular, diffuse, glow, opacity;
+    gpu::Image albedo; // mean Ks
     vk::raii::DescriptorSet set = nullptr;
     glm::uvec2 size{1};
 };
@@ -56,6 +57,13 @@ public:
     // Lights as of `frame`: what a light that changed reaches is lit again. Throws Error beyond kMaxLights.
     void setLights(const std::vector<scene::Light>& lights, uint32_t frame);
     void moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame);
+    // Null: none. Call when no frame is in flight; all objects are lit again.
+    void setEnvironment(const gpu::Device& device, std::shared_ptr<const scene::Environment> environment,
+                        uint32_t frame);
+    // What the environment's picture is multiplied by, and turned by about +Y, in degrees.
+    void adjustEnvironment(float intensity, float degrees, uint32_t frame);
+    const shared::EnvironmentView& environment() const { return environmentView_; }
+    uint32_t features() const { return environment_ ? shared::kFeatureEnvironment : 0u; }
     uint32_t changed() const { return changed_; } // frame of the last change to lights or objects
     uint32_t lightCount() const { return lightCount_; }
     glm::vec3 skyRadiance() const { return sky_; }
@@ -87,8 +95,8 @@ private:
         return *samplers_[size_t(uv.wrapU) + 3 * size_t(uv.wrapV)];
     }
     void makeFrameSet(const gpu::Device& device);
-    void lightScene(const scene::Scene& scene);
     void setSky(const std::vector<scene::Light>& lights, uint32_t frame);
+    void touchAll(uint32_t frame);
     void addObject(const gpu::Device& device, const scene::Scene& scene, const scene::Object& object);
     const GpuTexelMap* texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
                                    glm::uvec2 grid);
@@ -101,6 +109,10 @@ private:
     std::map<std::tuple<int, uint32_t, uint32_t>, std::unique_ptr<GpuTexelMap>> texelMaps_;
     std::vector<GpuObject> objects_;
     gpu::Buffer view_, lights_, objectTable_;
+    std::shared_ptr<const scene::Environment> environment_;
+    gpu::Image environmentMap_;
+    vk::raii::Sampler environmentSampler_ = nullptr;
+    shared::EnvironmentView environmentView_{};
     uint32_t changed_ = 0;
     uint32_t lightCount_ = 0;
     glm::vec3 sky_{0.0f}, ground_{0.0f};

@@ -5,6 +5,7 @@
 #include "core/math.h"
 #include "shared/structs.h"
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -140,6 +141,8 @@ struct Light {
     bool operator==(const Light&) const = default;
 };
 
+struct Environment; // environment.h
+
 struct Scene {
     std::filesystem::path file;
     std::vector<Mesh> meshes;
@@ -148,6 +151,7 @@ struct Scene {
     std::vector<Object> objects;
     std::vector<Camera> cameras; // as in the file; may be empty
     std::vector<Light> lights;   // as in the file; may be empty
+    std::shared_ptr<const Environment> environment; // none: a faint constant light fills the shadows
     Animation animation;         // objects, cameras and lights are where the nodes say, not the tracks
     Bounds bounds;               // of all objects, world space
 };

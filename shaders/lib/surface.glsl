@@ -2,14 +2,18 @@
 // Used per lumel by light.comp and per pixel by forward.frag, so that both light the same way.
 #ifndef LUMEL_SURFACE_GLSL
 #define LUMEL_SURFACE_GLSL
+#include "lib/environment.glsl"
 #include "lib/interface.glsl"
 #include "shared/shading.h"
+
+layout(constant_id = 0) const uint kFeatures = 0u; // kFeature...
 
 layout(set = 1, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
 layout(set = 1, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
 layout(set = 1, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
 layout(set = 1, binding = 3) uniform sampler2D mapGlow;     // emitted radiance, ambient occlusion
 layout(set = 1, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
+layout(set = 1, binding = 5) uniform sampler2D mapAlbedo;   // mean Ks
 
 struct MaterialTexel {
     vec2 normal;
@@ -18,11 +22,13 @@ struct MaterialTexel {
     vec3 diffuse;
     vec3 emitted;
     float occlusion;
+    vec3 albedo; // what the lobes of the texel reflect on the whole; with an environment only
 };
 
 MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 glow)
 {
-    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, glow.rgb, glow.a);
+    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, glow.rgb, glow.a,
+                         specular.rgb);
 }
 
 // Maps beside the reflectance are chains of their own: as many levels coarser as they are smaller.
@@ -35,9 +41,12 @@ vec4 sampleBeside(sampler2D map, vec2 uv, float level)
 // uv: of the reflectance (xy) and of glow (zw).
 MaterialTexel sampleMaterial(ObjectAt object, vec4 uv, float level)
 {
-    return unpackMaterial(textureLod(mapNormal, uv.xy, level), textureLod(mapSpecular, uv.xy, level),
-                          textureLod(mapDiffuse, uv.xy, level),
-                          sampleBeside(mapGlow, uv.zw, level + object.at.glowLevelOffset));
+    MaterialTexel texel = unpackMaterial(textureLod(mapNormal, uv.xy, level), textureLod(mapSpecular, uv.xy, level),
+                                         textureLod(mapDiffuse, uv.xy, level),
+                                         sampleBeside(mapGlow, uv.zw, level + object.at.glowLevelOffset));
+    if ((kFeatures & kFeatureEnvironment) != 0u)
+        texel.albedo = sampleBeside(mapAlbedo, uv.xy, level).rgb;
+    return texel;
 }
 
 // A point of a surface as the lights see it.
@@ -45,7 +54,7 @@ struct ShadingPoint {
     SurfaceReflectance surface;
     vec3 position;
     vec3 toEye;
-    vec3 radiance; // emitted and ambient
+    vec3 radiance; // emitted, and reflected of what surrounds it
 };
 
 // position, normal, tangent (w = handedness) in world space, not necessarily unit.
@@ -70,9 +79,13 @@ ShadingPoint shadingPoint(ObjectAt object, MaterialTexel material, vec3 position
     surface.macroNormal = n;
     surface.specular = material.specular;
     surface.diffuse = material.diffuse;
-    vec3 radiance = material.emitted +
-                    reflectAmbient(surface, view.skyRadiance, view.groundRadiance) * material.occlusion;
-    return ShadingPoint(surface, position, toEye, radiance);
+    vec3 around;
+    if ((kFeatures & kFeatureEnvironment) != 0u)
+        around = surface.diffuse * environmentDiffuse(view.environment, surface.lobe.normal) +
+                 reflectEnvironment(surface, material.albedo, toEye);
+    else
+        around = reflectAmbient(surface, view.skyRadiance, view.groundRadiance);
+    return ShadingPoint(surface, position, toEye, material.emitted + around * material.occlusion);
 }
 
 vec3 reflectedFrom(ShadingPoint point, Light light)

@@ -48,6 +48,17 @@ struct Light {
     uint changed; // frame in which it last moved or changed
 };
 
+// The surroundings, see shared/environment.h.
+struct EnvironmentView {
+    vec3 diffuse[9]; // of the quadric, scaled by the intensity
+    float intensity; // multiplies the texture
+    vec2 turn;       // cosine and sine of the rotation about +Y
+};
+
+// What light.comp and forward.frag are compiled with (specialisation constant 0): software Vulkan runs both sides
+// of any other branch.
+LUMEL_CONST uint kFeatureEnvironment = 1u;
+
 // One camera of one frame.
 struct View {
     mat4 clipFromWorld;
@@ -61,6 +72,8 @@ struct View {
     uint frame;        // from 1
     float levelOffset; // levels that lit textures are coarser than one lumel a pixel
     LUMEL_ADDRESS(Objects) objects;
+    EnvironmentView environment;
+    mat4 worldFromClip; // for the background
 };
 
 LUMEL_CONST uint kMaxLevels = 14u; // 8192 lumels down to 1
