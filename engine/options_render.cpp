@@ -128,9 +128,10 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
         ->check(CLI::Range(1u, shared::kMaxLights));
     addReplacements(command, a);
     command
-        ->add_option("--environment", a.environment,
-                     "surroundings that light the scene: none, sky, or a picture in latitude and longitude, .hdr "
-                     "or .exr")
+        ->add_option(
+            "--environment", a.environment,
+            "surroundings that light the scene: none, sky, or a picture in latitude and longitude, .hdr "
+            "or .exr")
         ->default_str("sky where the scene has no lights, else none");
     command
         ->add_option("--environment-intensity", a.settings.environmentIntensity,

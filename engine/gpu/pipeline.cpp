@@ -139,12 +139,13 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);
     const auto module = makeModule(device, shader);
-    pipeline.handle = vk::raii::Pipeline(
-        device.handle(), nullptr,
-        vk::ComputePipelineCreateInfo{
-            .stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *module, .pName = "main",
-                      .pSpecializationInfo = &constants.info},
-            .layout = *pipeline.layout});
+    pipeline.handle =
+        vk::raii::Pipeline(device.handle(), nullptr,
+                           vk::ComputePipelineCreateInfo{.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
+                                                                   .module = *module,
+                                                                   .pName = "main",
+                                                                   .pSpecializationInfo = &constants.info},
+                                                         .layout = *pipeline.layout});
     device.name(pipeline.handle, shader);
     return pipeline;
 }
@@ -169,11 +170,11 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill,
                                                           .lineWidth = 1.0f};
     const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = info.samples};
-    const vk::PipelineDepthStencilStateCreateInfo depth{
-        .depthTestEnable = VK_TRUE,
-        .depthWriteEnable = !info.blend && !info.background,
-        .depthCompareOp =
-            info.blend || info.background ? vk::CompareOp::eGreaterOrEqual : vk::CompareOp::eGreater};
+    const vk::PipelineDepthStencilStateCreateInfo depth{.depthTestEnable = VK_TRUE,
+                                                        .depthWriteEnable = !info.blend && !info.background,
+                                                        .depthCompareOp = info.blend || info.background
+                                                                              ? vk::CompareOp::eGreaterOrEqual
+                                                                              : vk::CompareOp::eGreater};
     using Factor = vk::BlendFactor;
     using Component = vk::ColorComponentFlagBits;
     const vk::PipelineColorBlendAttachmentState attachment{.blendEnable = info.blend,

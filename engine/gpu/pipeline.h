@@ -36,12 +36,12 @@ struct GraphicsInfo {
     uint32_t pushBytes = 0;
     vk::Format color = vk::Format::eR16G16B16A16Sfloat;
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
-    uint32_t constant = 0; // the fragment shader's specialisation constant 0, if it has one
-    bool blend = false;    // over, straight alpha; equal depth passes, none is written
+    uint32_t constant = 0;   // the fragment shader's specialisation constant 0, if it has one
+    bool blend = false;      // over, straight alpha; equal depth passes, none is written
     bool background = false; // at infinity, where nothing else is drawn
 };
-// Indexed triangle list without vertex input (shaders pull vertices), reversed depth in D32, dynamic viewport, scissor, cull
-// mode and front face.
+// Indexed triangle list without vertex input (shaders pull vertices), reversed depth in D32, dynamic
+// viewport, scissor, cull mode and front face.
 Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info);
 
 } // namespace lumel::gpu

@@ -18,7 +18,7 @@ private:
     void drawForward(Frame& frame, const LitPool& pool, size_t object, float opacity);
     void drawBackground(Frame& frame, const LitPool& pool);
     void drawView(Frame& frame, const LitPool& pool, size_t object);
-    void drawPool(Frame& frame, const LitPool& pool);                       // every texture, side by side
+    void drawPool(Frame& frame, const LitPool& pool); // every texture, side by side
     // By multisampling and the specialisation constant: filter or features.
     std::map<std::tuple<Kind, bool, uint32_t>, gpu::Pipeline> pipelines_;
 };

@@ -95,9 +95,9 @@ shared::Light packLight(const scene::Light& light)
 
 GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
                    const std::vector<scene::BakedMaterial>& materials)
-    : frameLayout_(gpu::makeSetLayout(
-          device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer,
-                   vk::DescriptorType::eCombinedImageSampler})),
+    : frameLayout_(
+          gpu::makeSetLayout(device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer,
+                                      vk::DescriptorType::eCombinedImageSampler})),
       materialLayout_(gpu::makeSetLayout(
           device, std::vector<vk::DescriptorType>(6, vk::DescriptorType::eCombinedImageSampler)))
 {
@@ -145,9 +145,8 @@ void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMater
     material.albedo = uploadChain(device, scene::meanSpecular(mips), name + " albedo");
     material.set = gpu::makeSet(device, materialLayout_);
     uint32_t binding = 0;
-    for (const gpu::Image* image :
-         {&material.normal, &material.specular, &material.diffuse, &material.glow, &material.opacity,
-          &material.albedo})
+    for (const gpu::Image* image : {&material.normal, &material.specular, &material.diffuse, &material.glow,
+                                    &material.opacity, &material.albedo})
         gpu::writeSampled(device, *material.set, binding++,
                           samplerOf(image == &material.glow ? source.glowUv : source.uv), image->view());
     materials_.push_back(std::move(material));
@@ -161,13 +160,13 @@ void GpuScene::makeFrameSet(const gpu::Device& device)
     frameSet_ = gpu::makeSet(device, frameLayout_);
     gpu::writeUniform(device, *frameSet_, 0, view_.handle());
     gpu::writeUniform(device, *frameSet_, 1, lights_.handle());
-    environmentSampler_ = vk::raii::Sampler(device.handle(),
-                                            vk::SamplerCreateInfo{.magFilter = vk::Filter::eLinear,
-                                                                  .minFilter = vk::Filter::eLinear,
-                                                                  .mipmapMode = vk::SamplerMipmapMode::eLinear,
-                                                                  .addressModeU = vk::SamplerAddressMode::eClampToEdge,
-                                                                  .addressModeV = vk::SamplerAddressMode::eClampToEdge,
-                                                                  .maxLod = VK_LOD_CLAMP_NONE});
+    environmentSampler_ = vk::raii::Sampler(
+        device.handle(), vk::SamplerCreateInfo{.magFilter = vk::Filter::eLinear,
+                                               .minFilter = vk::Filter::eLinear,
+                                               .mipmapMode = vk::SamplerMipmapMode::eLinear,
+                                               .addressModeU = vk::SamplerAddressMode::eClampToEdge,
+                                               .addressModeV = vk::SamplerAddressMode::eClampToEdge,
+                                               .maxLod = VK_LOD_CLAMP_NONE});
 }
 
 void GpuScene::touchAll(uint32_t frame)
@@ -177,8 +176,8 @@ void GpuScene::touchAll(uint32_t frame)
         object.data.changed = frame;
 }
 
-void GpuScene::setEnvironment(const gpu::Device& device, std::shared_ptr<const scene::Environment> environment,
-                              uint32_t frame)
+void GpuScene::setEnvironment(const gpu::Device& device,
+                              std::shared_ptr<const scene::Environment> environment, uint32_t frame)
 {
     environment_ = std::move(environment);
     const std::vector<Image> black = {Image(1, 1, 3)};

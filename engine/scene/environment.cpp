@@ -12,8 +12,8 @@ using shared::kEnvironmentLevels;
 using shared::kEnvironmentSize;
 using shared::kPi;
 
-constexpr float kMostRadiance = 60000.0f;                    // half float's largest is 65504
-constexpr size_t kMostPixels = size_t(8192) * 4096;          // of a file: 0.4 GB decoded
+constexpr float kMostRadiance = 60000.0f;                        // half float's largest is 65504
+constexpr size_t kMostPixels = size_t(8192) * 4096;              // of a file: 0.4 GB decoded
 constexpr int kWorkingWidth = 2 * int(shared::kEnvironmentSize); // finer pictures are averaged down first
 
 // The picture with a direction for each pixel, which products of tables give.
@@ -136,7 +136,8 @@ public:
     glm::vec3 operator()(glm::vec3 normal) const
     {
         const Image& image = picture_.image;
-        const float latitude = std::acos(std::clamp(normal.y, -1.0f, 1.0f)), perRow = kPi / float(image.height);
+        const float latitude = std::acos(std::clamp(normal.y, -1.0f, 1.0f)),
+                    perRow = kPi / float(image.height);
         const int first = std::max(0, int((latitude - radius_) / perRow - 0.5f));
         const int last = std::min(image.height - 1, int((latitude + radius_) / perRow + 0.5f));
         glm::vec3 sum(0.0f);
@@ -190,17 +191,24 @@ std::array<glm::vec3, 9> diffuseOf(const LatLong& picture)
         for (int x = 0; x < picture.image.width; ++x) {
             const glm::dvec3 d = picture.direction(x, y);
             const glm::dvec3 radiance = double(picture.sinLatitude[size_t(y)]) * glm::dvec3(picture.at(x, y));
-            const double basis[9] = {
-                1.0,       d.x,       d.y,       d.z, d.x * d.y, d.y * d.z, d.x * d.z, d.x * d.x - d.y * d.y,
-                3.0 * d.z * d.z - 1.0};
+            const double basis[9] = {1.0,
+                                     d.x,
+                                     d.y,
+                                     d.z,
+                                     d.x * d.y,
+                                     d.y * d.z,
+                                     d.x * d.z,
+                                     d.x * d.x - d.y * d.y,
+                                     3.0 * d.z * d.z - 1.0};
             for (size_t i = 0; i < 9; ++i)
                 sums[i] += basis[i] * radiance;
         }
     // Squares of eq. 3's constants, times the cosine's.
     constexpr double pi = double(kPi);
     constexpr double linear = 2.0 / 3.0 * 3.0 / (4.0 * pi), product = 0.25 * 15.0 / (4.0 * pi);
-    constexpr double factors[9] = {1.0 / (4.0 * pi), linear,  linear, linear, product, product, product,
-                                   0.25 * 15.0 / (16.0 * pi), 0.25 * 5.0 / (16.0 * pi)};
+    constexpr double factors[9] = {
+        1.0 / (4.0 * pi),        linear, linear, linear, product, product, product, 0.25 * 15.0 / (16.0 * pi),
+        0.25 * 5.0 / (16.0 * pi)};
     const double solidAngle = 2.0 * pi / picture.image.width * pi / picture.image.height; // by sinLatitude
     std::array<glm::vec3, 9> diffuse;
     for (size_t i = 0; i < 9; ++i)
@@ -215,7 +223,8 @@ std::array<glm::vec3, 9> diffuseOf(const LatLong& picture)
 glm::vec3 latLongDirection(glm::vec2 place)
 {
     const float longitude = 2.0f * kPi * (place.x - 0.5f), latitude = kPi * place.y;
-    return {std::sin(latitude) * std::cos(longitude), std::cos(latitude), std::sin(latitude) * std::sin(longitude)};
+    return {std::sin(latitude) * std::cos(longitude), std::cos(latitude),
+            std::sin(latitude) * std::sin(longitude)};
 }
 
 glm::vec2 latLongPlace(glm::vec3 d)
@@ -240,7 +249,8 @@ Environment makeEnvironment(const Image& picture)
         const float variance = shared::environmentVariance(float(level));
         // Pixels about half as wide as the lobe's deviation, which is twice that of its half vectors.
         const float widest = std::sqrt(variance);
-        while (2.0f * kPi / float(halves[source].image.width) < 0.7f * widest && halves[source].image.width > 64) {
+        while (2.0f * kPi / float(halves[source].image.width) < 0.7f * widest &&
+               halves[source].image.width > 64) {
             if (source + 1 == halves.size())
                 halves.emplace_back(halved(halves.back()));
             ++source;
@@ -248,8 +258,8 @@ Environment makeEnvironment(const Image& picture)
         const LobeFilter filter(halves[source], 1.0f / variance);
         const float size = float(kEnvironmentSize >> level);
         environment.levels.push_back(octahedralImage(int(size), [&](int x, int y) {
-            return filter(shared::environmentDirection(
-                glm::vec2((float(x) + 0.5f) / size, (float(y) + 0.5f) / size)));
+            return filter(
+                shared::environmentDirection(glm::vec2((float(x) + 0.5f) / size, (float(y) + 0.5f) / size)));
         }));
     }
     return environment;
@@ -259,12 +269,14 @@ Environment loadEnvironment(const std::filesystem::path& file)
 {
     const std::string name = file.string(), extension = file.extension().string();
     if (extension != ".hdr" && extension != ".exr")
-        throw Error(fmt::format("{}: unknown environment format; use a Radiance .hdr or an OpenEXR .exr", name));
+        throw Error(
+            fmt::format("{}: unknown environment format; use a Radiance .hdr or an OpenEXR .exr", name));
     const Image image = readImage(file, kMostPixels);
     if (image.width != 2 * image.height)
-        throw Error(fmt::format("{}: {} x {} pixels are no picture in latitude and longitude; it is twice as wide "
-                                "as high",
-                                name, image.width, image.height));
+        throw Error(
+            fmt::format("{}: {} x {} pixels are no picture in latitude and longitude; it is twice as wide "
+                        "as high",
+                        name, image.width, image.height));
     Image rgb(image.width, image.height, 3);
     const int grey = image.channels < 3 ? 0 : 1;
     for (size_t i = 0; i < rgb.pixels.size(); ++i) {

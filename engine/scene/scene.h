@@ -149,11 +149,11 @@ struct Scene {
     std::vector<Material> materials; // the ones that objects use
     std::vector<SceneImage> images;
     std::vector<Object> objects;
-    std::vector<Camera> cameras; // as in the file; may be empty
-    std::vector<Light> lights;   // as in the file; may be empty
+    std::vector<Camera> cameras;                    // as in the file; may be empty
+    std::vector<Light> lights;                      // as in the file; may be empty
     std::shared_ptr<const Environment> environment; // none: a faint constant light fills the shadows
-    Animation animation;         // objects, cameras and lights are where the nodes say, not the tracks
-    Bounds bounds;               // of all objects, world space
+    Animation animation; // objects, cameras and lights are where the nodes say, not the tracks
+    Bounds bounds;       // of all objects, world space
 };
 
 // Loads .gltf (with files beside it or embedded) or .glb. Throws Error, one line naming file and remedy,

@@ -7,10 +7,10 @@ namespace {
 
 // The rig's key light stands in the same place: scenes look alike with either.
 const glm::vec3 kToSun = glm::normalize(glm::vec3(0.85f, 0.9f, 0.95f));
-const glm::vec3 kSunColour(1.0f, 0.94f, 0.84f);
-constexpr float kSunLux = 2.2f;
-constexpr float kZenith = 0.16f; // radiance
-constexpr float kGround = 0.2f;
+const glm::vec3 kSunColour(1.0f, 0.92f, 0.78f);
+constexpr float kSunLux = 2.5f;
+constexpr float kZenith = 0.15f; // radiance
+constexpr float kGround = 0.12f;
 
 // Darula and Kittler 2002, "CIE General Sky Standard Defining Luminance Distributions", type 12 (clear, low
 // turbidity): gradation from horizon to zenith times the scattering around the sun, relative to the zenith.
@@ -29,7 +29,7 @@ glm::vec3 skyRadiance(glm::vec3 d)
     const float cosToSun = glm::dot(d, kToSun);
     const float sky = kZenith * clearSky(d.y, cosToSun);
     // Deep blue overhead, pale towards the horizon and the sun.
-    const glm::vec3 blue(0.5f, 0.78f, 1.35f), pale(0.95f, 1.0f, 1.08f);
+    const glm::vec3 blue(0.6f, 0.82f, 1.22f), pale(1.0f, 1.0f, 1.02f);
     const float haze = std::exp(-3.0f * std::max(d.y, 0.0f)) + 0.6f * std::exp(4.0f * (cosToSun - 1.0f));
     const glm::vec3 above = sky * glm::mix(blue, pale, std::min(haze, 1.0f));
     const glm::vec3 below = kGround * glm::vec3(1.0f, 0.95f, 0.88f);
@@ -45,7 +45,8 @@ Environment skyEnvironment()
     Image picture(kWidth, kWidth / 2, 3);
     for (int y = 0; y < picture.height; ++y)
         for (int x = 0; x < picture.width; ++x) {
-            const glm::vec2 place((float(x) + 0.5f) / float(kWidth), (float(y) + 0.5f) / float(picture.height));
+            const glm::vec2 place((float(x) + 0.5f) / float(kWidth),
+                                  (float(y) + 0.5f) / float(picture.height));
             const glm::vec3 radiance = skyRadiance(latLongDirection(place));
             std::copy_n(&radiance.x, 3, picture.at(x, y));
         }
