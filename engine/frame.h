@@ -5,6 +5,7 @@
 #include "passes/light_pass.h"
 #include "passes/need_pass.h"
 #include "passes/plan_pass.h"
+#include "passes/shadow_pass.h"
 #include "stats.h"
 #include "tsl/budget.h"
 
@@ -68,6 +69,7 @@ private:
     Settings settings_;
     Targets targets_;
     GpuScene scene_;
+    ShadowPass shadow_;
     LitPool pool_;
     NeedPass need_;
     PlanPass plan_;

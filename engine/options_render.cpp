@@ -143,6 +143,15 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
                      "turns the surroundings about the vertical, in degrees")
         ->check(CLI::Range(-360.0, 360.0))
         ->capture_default_str();
+    command
+        ->add_option_function<std::string>(
+            "--shadows", [&a](const std::string& text) { a.settings.shadows = text == "on"; },
+            "shadows of sun and spot lights, the 8 strongest: on or off")
+        ->check(CLI::IsMember({"on", "off"}))
+        ->default_str("on");
+    command->add_option("--shadow-size", a.settings.shadowSize, "texels a side of each shadow map")
+        ->check(CLI::Range(64u, 8192u))
+        ->capture_default_str();
     command->add_option("--shading", a.settings.shading, "tsl, forward or reference")
         ->transform(CLI::CheckedTransformer(kShadings).description(""))
         ->default_str("tsl");

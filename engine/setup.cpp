@@ -74,6 +74,8 @@ RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, co
                             {"exposure", text(settings.exposure)},
                             {"environment", arguments.environment.empty() ? "auto" : arguments.environment},
                             {"environment-intensity", text(settings.environmentIntensity)},
+                            {"shadows", settings.shadows ? "on" : "off"},
+                            {"shadow-size", std::to_string(settings.shadowSize)},
                             {"environment-rotation", text(settings.environmentRotation)}}};
     if (arguments.lights > 0)
         run.options["lights"] = std::to_string(arguments.lights);

@@ -155,7 +155,9 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
     const auto vertex = makeModule(device, info.vertex);
-    const auto fragment = makeModule(device, info.fragment);
+    vk::raii::ShaderModule fragment = nullptr;
+    if (!info.fragment.empty())
+        fragment = makeModule(device, info.fragment);
     const SoleConstant constants(info.constant);
     const vk::PipelineShaderStageCreateInfo stages[] = {
         {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
@@ -175,6 +177,7 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
                                                         .depthCompareOp = info.blend || info.background
                                                                               ? vk::CompareOp::eGreaterOrEqual
                                                                               : vk::CompareOp::eGreater};
+    const uint32_t colours = info.color == vk::Format::eUndefined ? 0 : 1;
     using Factor = vk::BlendFactor;
     using Component = vk::ColorComponentFlagBits;
     const vk::PipelineColorBlendAttachmentState attachment{.blendEnable = info.blend,
@@ -184,27 +187,29 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
                                                            .dstAlphaBlendFactor = Factor::eOneMinusSrcAlpha,
                                                            .colorWriteMask = Component::eR | Component::eG |
                                                                              Component::eB | Component::eA};
-    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = 1, .pAttachments = &attachment};
+    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = colours,
+                                                      .pAttachments = &attachment};
     const vk::DynamicState dynamicStates[] = {vk::DynamicState::eViewport, vk::DynamicState::eScissor,
                                               vk::DynamicState::eCullMode, vk::DynamicState::eFrontFace};
     const auto dynamic = vk::PipelineDynamicStateCreateInfo{}.setDynamicStates(dynamicStates);
-    const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = 1,
+    const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = colours,
                                                     .pColorAttachmentFormats = &info.color,
                                                     .depthAttachmentFormat = vk::Format::eD32Sfloat};
-    pipeline.handle = vk::raii::Pipeline(device.handle(), nullptr,
-                                         vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
-                                                                        .stageCount = 2,
-                                                                        .pStages = stages,
-                                                                        .pVertexInputState = &noInput,
-                                                                        .pInputAssemblyState = &triangles,
-                                                                        .pViewportState = &viewport,
-                                                                        .pRasterizationState = &raster,
-                                                                        .pMultisampleState = &multisample,
-                                                                        .pDepthStencilState = &depth,
-                                                                        .pColorBlendState = &blend,
-                                                                        .pDynamicState = &dynamic,
-                                                                        .layout = *pipeline.layout});
-    device.name(pipeline.handle, info.fragment);
+    pipeline.handle =
+        vk::raii::Pipeline(device.handle(), nullptr,
+                           vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
+                                                          .stageCount = info.fragment.empty() ? 1u : 2u,
+                                                          .pStages = stages,
+                                                          .pVertexInputState = &noInput,
+                                                          .pInputAssemblyState = &triangles,
+                                                          .pViewportState = &viewport,
+                                                          .pRasterizationState = &raster,
+                                                          .pMultisampleState = &multisample,
+                                                          .pDepthStencilState = &depth,
+                                                          .pColorBlendState = &blend,
+                                                          .pDynamicState = &dynamic,
+                                                          .layout = *pipeline.layout});
+    device.name(pipeline.handle, info.fragment.empty() ? info.vertex : info.fragment);
     return pipeline;
 }
 

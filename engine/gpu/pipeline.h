@@ -31,10 +31,10 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
                              uint32_t constant = 0); // specialisation constant 0, if it has one
 
 struct GraphicsInfo {
-    std::string vertex, fragment;
+    std::string vertex, fragment{}; // without a fragment shader: depth alone
     std::vector<vk::DescriptorSetLayout> sets{};
     uint32_t pushBytes = 0;
-    vk::Format color = vk::Format::eR16G16B16A16Sfloat;
+    vk::Format color = vk::Format::eR16G16B16A16Sfloat; // eUndefined: none
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
     uint32_t constant = 0;   // the fragment shader's specialisation constant 0, if it has one
     bool blend = false;      // over, straight alpha; equal depth passes, none is written

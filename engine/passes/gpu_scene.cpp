@@ -95,9 +95,9 @@ shared::Light packLight(const scene::Light& light)
 
 GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
                    const std::vector<scene::BakedMaterial>& materials)
-    : frameLayout_(
-          gpu::makeSetLayout(device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer,
-                                      vk::DescriptorType::eCombinedImageSampler})),
+    : frameLayout_(gpu::makeSetLayout(
+          device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer,
+                   vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eCombinedImageSampler})),
       materialLayout_(gpu::makeSetLayout(
           device, std::vector<vk::DescriptorType>(6, vk::DescriptorType::eCombinedImageSampler)))
 {
@@ -199,6 +199,25 @@ void GpuScene::adjustEnvironment(float intensity, float degrees, uint32_t frame)
         return;
     environmentView_ = view;
     touchAll(frame);
+}
+
+void GpuScene::bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps)
+{
+    gpu::writeSampled(device, *frameSet_, 3, sampler, maps);
+}
+
+void GpuScene::setShadows(const std::vector<shared::Shadow>& shadows, uint32_t frame)
+{
+    // A light that got or lost its map is another for all that it reaches.
+    const auto touchMissing = [&](const auto& from, const auto& in) {
+        for (const shared::Shadow& shadow : from)
+            if (shadow.light < lightCount_ &&
+                std::ranges::none_of(in, [&](const auto& s) { return s.light == shadow.light; }))
+                touchLight(shadow.light, frame);
+    };
+    touchMissing(shadows_, shadows);
+    touchMissing(shadows, shadows_);
+    shadows_ = shadows;
 }
 
 // A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the

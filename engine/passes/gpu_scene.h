@@ -63,7 +63,20 @@ public:
     // What the environment's picture is multiplied by, and turned by about +Y, in degrees.
     void adjustEnvironment(float intensity, float degrees, uint32_t frame);
     const shared::EnvironmentView& environment() const { return environmentView_; }
-    uint32_t features() const { return environment_ ? shared::kFeatureEnvironment : 0u; }
+    uint32_t features() const
+    {
+        return (environment_ ? shared::kFeatureEnvironment : 0u) |
+               (shadows_.empty() ? 0u : shared::kFeatureShadows);
+    }
+    // Of ShadowPass.
+    void bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps);
+    void setShadows(const std::vector<shared::Shadow>& shadows, uint32_t frame);
+    const std::vector<shared::Shadow>& shadows() const { return shadows_; }
+    std::span<const shared::Light> lights() const { return {lights_.mapped<shared::Light>(), lightCount_}; }
+    void touchLight(uint32_t light, uint32_t frame)
+    {
+        lights_.mapped<shared::Light>()[light].changed = changed_ = frame;
+    }
     uint32_t changed() const { return changed_; } // frame of the last change to lights or objects
     uint32_t lightCount() const { return lightCount_; }
     glm::vec3 skyRadiance() const { return sky_; }
@@ -113,6 +126,7 @@ private:
     gpu::Image environmentMap_;
     vk::raii::Sampler environmentSampler_ = nullptr;
     shared::EnvironmentView environmentView_{};
+    std::vector<shared::Shadow> shadows_;
     uint32_t changed_ = 0;
     uint32_t lightCount_ = 0;
     glm::vec3 sky_{0.0f}, ground_{0.0f};

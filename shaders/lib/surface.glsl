@@ -4,6 +4,7 @@
 #define LUMEL_SURFACE_GLSL
 #include "lib/environment.glsl"
 #include "lib/interface.glsl"
+#include "lib/shadow.glsl"
 #include "shared/shading.h"
 
 layout(constant_id = 0) const uint kFeatures = 0u; // kFeature...
@@ -94,12 +95,30 @@ vec3 reflectedFrom(ShadingPoint point, Light light)
     return reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance);
 }
 
+// From the listed lights that have a shadow map.
+vec3 reflectedFromShadowed(ShadingPoint point, uint listed[kListedLights / 32u])
+{
+    vec3 radiance = vec3(0.0);
+    for (uint i = 0u; i < view.shadowCount; ++i) {
+        Shadow shadow = view.shadows[i];
+        if ((listed[shadow.light / 32u] >> (shadow.light % 32u) & 1u) == 0u)
+            continue;
+        Incident incident = incidentLight(lights[shadow.light], point.position);
+        float visible = lightVisibility(shadow, i, point.position, point.surface.macroNormal, incident.direction);
+        radiance += reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance * visible);
+    }
+    return radiance;
+}
+
 // From the lights of a list (as in JobTile) and those past its last bit.
 vec3 reflectedFromListed(ShadingPoint point, uint listed[kListedLights / 32u])
 {
+    const bool shadows = (kFeatures & kFeatureShadows) != 0u;
     vec3 radiance = vec3(0.0);
+    if (shadows)
+        radiance = reflectedFromShadowed(point, listed);
     for (uint word = 0u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word)
-        for (uint bits = listed[word]; bits != 0u; bits &= bits - 1u)
+        for (uint bits = shadows ? listed[word] & ~view.shadowed[word] : listed[word]; bits != 0u; bits &= bits - 1u)
             radiance += reflectedFrom(point, lights[32u * word + findLSB(bits)]);
     for (uint i = kListedLights; i < view.lightCount; ++i)
         radiance += reflectedFrom(point, lights[i]);

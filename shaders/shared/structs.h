@@ -58,6 +58,18 @@ struct EnvironmentView {
 // What light.comp and forward.frag are compiled with (specialisation constant 0): software Vulkan runs both sides
 // of any other branch.
 LUMEL_CONST uint kFeatureEnvironment = 1u;
+LUMEL_CONST uint kFeatureShadows = 2u;
+
+// Bits of JobTile::lights.
+LUMEL_CONST uint kListedLights = 256u;
+
+// A light's shadow map: a layer of the array. Each light costs a map's memory and up to four comparisons a lumel.
+LUMEL_CONST uint kMaxShadows = 8u;
+struct Shadow {
+    mat4 mapFromWorld; // xy: 0 to 1 over the map, z: depth
+    uint light;        // below kListedLights
+    float texel;       // metres, at a w of 1
+};
 
 // One camera of one frame.
 struct View {
@@ -73,6 +85,9 @@ struct View {
     float levelOffset; // levels that lit textures are coarser than one lumel a pixel
     LUMEL_ADDRESS(Objects) objects;
     EnvironmentView environment;
+    uint shadowCount;
+    Shadow shadows[kMaxShadows];
+    uint shadowed[kListedLights / 32u]; // the lights that have a map, as in JobTile
     mat4 worldFromClip; // for the background
 };
 
@@ -145,7 +160,6 @@ LUMEL_CONST uint kFadeFrames = 8u;
 
 // A tile in the list of a job, with the lights that may reach it: bit i of word i / 32 is light i. Lights past
 // the last bit are taken to reach every tile.
-LUMEL_CONST uint kListedLights = 256u;
 struct JobTile {
     Tile tile;
     uint lights[kListedLights / 32u];
@@ -208,6 +222,11 @@ struct NeedPush {
     float divisor; // full-size pixels per sample, per axis
     uint object;
     uvec2 size;    // samples
+};
+
+struct ShadowPush {
+    mat4 clipFromWorld;
+    uint object;
 };
 
 struct PlanPush {
