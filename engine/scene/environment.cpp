@@ -310,9 +310,12 @@ glm::vec3 lookUp(const Environment& environment, glm::vec3 direction, float leve
 
 std::vector<Light> lightsOf(const Scene& scene)
 {
-    if (!scene.lights.empty())
-        return scene.lights;
-    return scene.environment ? scene.environment->lights : threeLightRig();
+    return scene.lights.empty() ? lightsOf(scene.environment.get()) : scene.lights;
+}
+
+std::vector<Light> lightsOf(const Environment* environment)
+{
+    return environment ? environment->lights : threeLightRig();
 }
 
 } // namespace lumel::scene

@@ -33,5 +33,6 @@ glm::vec3 lookUp(const Environment& environment, glm::vec3 direction, float leve
 
 // The scene's lights, or where it has none its environment's, or where it has none either, threeLightRig().
 std::vector<Light> lightsOf(const Scene& scene);
+std::vector<Light> lightsOf(const Environment* environment); // of a scene without
 
 } // namespace lumel::scene
