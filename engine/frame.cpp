@@ -215,6 +215,11 @@ void Renderer::setSettings(const Settings& settings)
         display_.connect(device_, targets_);
         sumSamples_ = 0;
     }
+    const auto lightOf = [](const Settings& s) {
+        return std::tuple(s.environmentIntensity, s.environmentRotation, s.shadows, s.shadowSize);
+    };
+    if (lightOf(settings) != lightOf(before))
+        sumSamples_ = 0; // lumels see to it that what changed is lit again
     if (settings.size != before.size)
         need_.resize(device_, settings.size);
     if (settings.budgetMs != before.budgetMs) {

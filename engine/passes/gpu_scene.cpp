@@ -160,13 +160,6 @@ void GpuScene::makeFrameSet(const gpu::Device& device)
     frameSet_ = gpu::makeSet(device, frameLayout_);
     gpu::writeUniform(device, *frameSet_, 0, view_.handle());
     gpu::writeUniform(device, *frameSet_, 1, lights_.handle());
-    environmentSampler_ = vk::raii::Sampler(
-        device.handle(), vk::SamplerCreateInfo{.magFilter = vk::Filter::eLinear,
-                                               .minFilter = vk::Filter::eLinear,
-                                               .mipmapMode = vk::SamplerMipmapMode::eLinear,
-                                               .addressModeU = vk::SamplerAddressMode::eClampToEdge,
-                                               .addressModeV = vk::SamplerAddressMode::eClampToEdge,
-                                               .maxLod = VK_LOD_CLAMP_NONE});
 }
 
 void GpuScene::touchAll(uint32_t frame)
@@ -182,7 +175,7 @@ void GpuScene::setEnvironment(const gpu::Device& device,
     environment_ = std::move(environment);
     const std::vector<Image> black = {Image(1, 1, 3)};
     environmentMap_ = uploadChain(device, environment_ ? environment_->levels : black, "environment");
-    gpu::writeSampled(device, *frameSet_, 2, *environmentSampler_, environmentMap_.view());
+    gpu::writeSampled(device, *frameSet_, 2, *samplers_.back(), environmentMap_.view()); // clamped
     const shared::EnvironmentView before = std::exchange(environmentView_, {});
     adjustEnvironment(before.intensity, glm::degrees(std::atan2(before.turn.y, before.turn.x)), frame);
     touchAll(frame);
@@ -190,9 +183,9 @@ void GpuScene::setEnvironment(const gpu::Device& device,
 
 void GpuScene::adjustEnvironment(float intensity, float degrees, uint32_t frame)
 {
-    shared::EnvironmentView view{};
-    view.intensity = intensity;
-    view.turn = {std::cos(glm::radians(degrees)), std::sin(glm::radians(degrees))};
+    shared::EnvironmentView view{.diffuse = {},
+                                 .intensity = intensity,
+                                 .turn = {std::cos(glm::radians(degrees)), std::sin(glm::radians(degrees))}};
     for (size_t i = 0; environment_ && i < environment_->diffuse.size(); ++i)
         view.diffuse[i] = environment_->diffuse[i] * intensity;
     if (std::memcmp(&view, &environmentView_, sizeof(view)) == 0)

@@ -124,7 +124,6 @@ private:
     gpu::Buffer view_, lights_, objectTable_;
     std::shared_ptr<const scene::Environment> environment_;
     gpu::Image environmentMap_;
-    vk::raii::Sampler environmentSampler_ = nullptr;
     shared::EnvironmentView environmentView_{};
     std::vector<shared::Shadow> shadows_;
     uint32_t changed_ = 0;
