@@ -112,6 +112,17 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(View, frame);
     EXPECT_OFFSET(View, levelOffset);
     EXPECT_OFFSET(View, objects);
+    EXPECT_OFFSET(View, environment);
+    EXPECT_OFFSET(View, shadowCount);
+    EXPECT_OFFSET(View, shadows);
+    EXPECT_OFFSET(View, shadowed);
+    EXPECT_OFFSET(View, worldFromClip);
+    EXPECT_OFFSET(EnvironmentView, diffuse);
+    EXPECT_OFFSET(EnvironmentView, intensity);
+    EXPECT_OFFSET(EnvironmentView, turn);
+    EXPECT_OFFSET(Shadow, mapFromWorld);
+    EXPECT_OFFSET(Shadow, light);
+    EXPECT_OFFSET(Shadow, texel);
     EXPECT_OFFSET(Object, worldFromObject);
     EXPECT_OFFSET(Object, worldFromObjectNormal);
     EXPECT_OFFSET(Object, vertices);
