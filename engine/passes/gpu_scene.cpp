@@ -283,6 +283,9 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     result.indexCount = uint32_t(mesh.indices.size());
     result.bounds = mesh.bounds;
     result.blend = material.alphaMode == scene::AlphaMode::blend;
+    // What glows all over stands for a light, and would shade it.
+    const bool glows = material.unlit || (material.emissive != glm::vec3(0.0f) && material.emissiveImage < 0);
+    result.casts = !result.blend && !glows;
 
     shared::Object& data = result.data;
     data = {};

@@ -35,6 +35,7 @@ struct GpuObject {
     uint32_t indexCount = 0;
     Bounds bounds; // object space
     bool blend = false;
+    bool casts = true;     // a shadow
     bool mirrored = false; // the transform flips triangle winding
 };
 

@@ -141,6 +141,8 @@ void ShadowPass::prepare(const gpu::Device& device, GpuScene& scene, const Setti
 {
     uint32_t moved = 0;
     for (const GpuObject& object : scene.objects()) {
+        if (!object.casts)
+            continue;
         moved = std::max(moved, object.data.changed);
         const Bounds bounds = worldBounds(object);
         bounds_.add(bounds.lower);
@@ -190,6 +192,9 @@ void ShadowPass::record(Frame& frame)
     const PassScope scope(frame, "shadow");
     const vk::CommandBuffer commands = frame.commands;
     gpu::imageBarrier(commands, maps_.handle(), maps_.aspect(), gpu::Use::shaderSample, gpu::Use::depthWrite);
+    std::vector<std::array<uint32_t, shared::kListedLights / 32>> reaching; // by object
+    for (size_t object = 0; object < frame.scene.objects().size(); ++object)
+        reaching.push_back(frame.scene.lightsReaching(object));
     for (size_t i = 0; i < known_.size(); ++i) {
         Map& map = known_[i];
         if (std::exchange(map.current, true))
@@ -204,7 +209,8 @@ void ShadowPass::record(Frame& frame)
         setViewport(commands, maps_.extent());
         const std::vector<uint8_t> inMap = frame.scene.objectsInView(map.clipFromWorld);
         for (size_t object = 0; object < inMap.size(); ++object)
-            if (inMap[object] && !frame.scene.objects()[object].blend)
+            if (inMap[object] && frame.scene.objects()[object].casts &&
+                (reaching[object][map.light / 32] >> map.light % 32 & 1u))
                 drawCaster(frame, map, object);
         commands.endRendering();
     }

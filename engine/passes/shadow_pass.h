@@ -26,7 +26,7 @@ private:
     gpu::Image maps_; // an array, a layer for each light
     std::vector<vk::raii::ImageView> layers_;
     std::vector<Map> known_;
-    Bounds bounds_; // of all objects wherever they have been: maps that follow each move would shimmer
+    Bounds bounds_; // of all that casts, wherever they have been: maps that follow each move would shimmer
     gpu::Pipeline solid_, masked_;
 };
 
