@@ -6,6 +6,7 @@
 #include "passes/light_pass.h"
 #include "passes/need_pass.h"
 #include "passes/plan_pass.h"
+#include "passes/shadow_pass.h"
 #include "stats.h"
 #include "tsl/budget.h"
 
@@ -32,6 +33,10 @@ public:
 
     // From the next frame on; what they reach is lit again.
     void setLights(const std::vector<scene::Light>& lights) { scene_.setLights(lights, frameIndex_ + 1); }
+    void setEnvironment(std::shared_ptr<const scene::Environment> environment)
+    {
+        scene_.setEnvironment(device_, std::move(environment), frameIndex_ + 1);
+    }
     void moveObject(size_t object, const glm::mat4& worldFromObject)
     {
         scene_.moveObject(object, worldFromObject, frameIndex_ + 1);
@@ -66,6 +71,7 @@ private:
     Settings settings_;
     Targets targets_;
     GpuScene scene_;
+    ShadowPass shadow_;
     LitPool pool_;
     DeformPass deform_;
     NeedPass need_;

@@ -1,19 +1,18 @@
 #include "playback.h"
 #include "core/error.h"
+#include "scene/environment.h"
 #include <fmt/format.h>
 
 namespace lumel {
 
 Playback::Playback(const scene::Scene& scene, const scene::Camera& start, const PathOptions& options)
-    : animation_(scene.animation), start_(start), options_(options), lights_(scene.lights),
+    : animation_(scene.animation), start_(start), options_(options), lights_(scene::lightsOf(scene)),
       skins_(scene.skins), deformed_(scene.deformed),
       plays_(scene.animation.seconds > 0.0 && (options.seconds || options.path == scene::Path::animation))
 {
     if (options.path == scene::Path::animation && start.node < 0)
         throw Error(fmt::format("{}: camera '{}' is not animated; choose another --path or --camera",
                                 scene.file.string(), start.name));
-    if (lights_.empty())
-        lights_ = scene::threeLightRig();
     for (size_t i = 0; i < scene.objects.size(); ++i)
         if (scene.objects[i].node >= 0)
             movingObjects_.push_back({i, scene.objects[i].node, scene.objects[i].nodeFromObject});

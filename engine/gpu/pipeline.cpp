@@ -27,6 +27,20 @@ vk::raii::ShaderModule makeModule(const Device& device, const std::string& shade
     return {device.handle(), {.codeSize = code.size_bytes(), .pCode = code.data()}};
 }
 
+// Specialisation constants by their numbers; shaders without one of them do not mind. Not to be copied:
+// Vulkan's struct points into it.
+struct Constants {
+    Constants(uint32_t features, uint32_t filter) : values{features, filter} {}
+    Constants(const Constants&) = delete;
+    Constants& operator=(const Constants&) = delete;
+    uint32_t values[2];
+    vk::SpecializationMapEntry entries[2] = {
+        {.constantID = 0, .offset = 0, .size = sizeof(uint32_t)},
+        {.constantID = 1, .offset = sizeof(uint32_t), .size = sizeof(uint32_t)}};
+    vk::SpecializationInfo info{
+        .mapEntryCount = 2, .pMapEntries = entries, .dataSize = sizeof(values), .pData = values};
+};
+
 vk::raii::PipelineLayout makeLayout(const Device& device, const std::vector<vk::DescriptorSetLayout>& sets,
                                     uint32_t pushBytes)
 {
@@ -117,32 +131,11 @@ void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding,
         nullptr);
 }
 
-namespace {
-
-// Specialisation constants by their numbers. Shaders without one of them do not mind.
-struct Constants {
-    uint32_t constant, coloured;
-};
-constexpr vk::SpecializationMapEntry kConstants[] = {
-    {.constantID = 0, .offset = offsetof(Constants, constant), .size = sizeof(uint32_t)},
-    {.constantID = 1, .offset = offsetof(Constants, coloured), .size = sizeof(uint32_t)}};
-
-vk::SpecializationInfo specialisation(const Constants& values)
-{
-    return {.mapEntryCount = uint32_t(std::size(kConstants)),
-            .pMapEntries = kConstants,
-            .dataSize = sizeof(values),
-            .pData = &values};
-}
-
-} // namespace
-
 Pipeline makeComputePipeline(const Device& device, const std::string& shader,
                              const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
-                             bool coloured)
+                             uint32_t features)
 {
-    const Constants values{0, coloured};
-    const vk::SpecializationInfo constants = specialisation(values);
+    const Constants constants(features, 0);
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);
     const auto module = makeModule(device, shader);
@@ -151,7 +144,7 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
                            vk::ComputePipelineCreateInfo{.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
                                                                    .module = *module,
                                                                    .pName = "main",
-                                                                   .pSpecializationInfo = &constants},
+                                                                   .pSpecializationInfo = &constants.info},
                                                          .layout = *pipeline.layout});
     device.name(pipeline.handle, shader);
     return pipeline;
@@ -162,17 +155,18 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
     const auto vertex = makeModule(device, info.vertex);
-    const auto fragment = makeModule(device, info.fragment);
-    const Constants values{info.constant, info.coloured};
-    const vk::SpecializationInfo constants = specialisation(values);
+    vk::raii::ShaderModule fragment = nullptr;
+    if (!info.fragment.empty())
+        fragment = makeModule(device, info.fragment);
+    const Constants constants(info.features, info.filter);
     const vk::PipelineShaderStageCreateInfo stages[] = {{.stage = vk::ShaderStageFlagBits::eVertex,
                                                          .module = *vertex,
                                                          .pName = "main",
-                                                         .pSpecializationInfo = &constants},
+                                                         .pSpecializationInfo = &constants.info},
                                                         {.stage = vk::ShaderStageFlagBits::eFragment,
                                                          .module = *fragment,
                                                          .pName = "main",
-                                                         .pSpecializationInfo = &constants}};
+                                                         .pSpecializationInfo = &constants.info}};
     const vk::PipelineVertexInputStateCreateInfo noInput;
     const vk::PipelineInputAssemblyStateCreateInfo triangles{.topology =
                                                                  vk::PrimitiveTopology::eTriangleList};
@@ -180,10 +174,12 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill,
                                                           .lineWidth = 1.0f};
     const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = info.samples};
-    const vk::PipelineDepthStencilStateCreateInfo depth{
-        .depthTestEnable = VK_TRUE,
-        .depthWriteEnable = !info.blend,
-        .depthCompareOp = info.blend ? vk::CompareOp::eGreaterOrEqual : vk::CompareOp::eGreater};
+    const vk::PipelineDepthStencilStateCreateInfo depth{.depthTestEnable = VK_TRUE,
+                                                        .depthWriteEnable = !info.blend && !info.background,
+                                                        .depthCompareOp = info.blend || info.background
+                                                                              ? vk::CompareOp::eGreaterOrEqual
+                                                                              : vk::CompareOp::eGreater};
+    const uint32_t colours = info.color == vk::Format::eUndefined ? 0 : 1;
     using Factor = vk::BlendFactor;
     using Component = vk::ColorComponentFlagBits;
     const vk::PipelineColorBlendAttachmentState attachment{.blendEnable = info.blend,
@@ -193,27 +189,29 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
                                                            .dstAlphaBlendFactor = Factor::eOneMinusSrcAlpha,
                                                            .colorWriteMask = Component::eR | Component::eG |
                                                                              Component::eB | Component::eA};
-    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = 1, .pAttachments = &attachment};
+    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = colours,
+                                                      .pAttachments = &attachment};
     const vk::DynamicState dynamicStates[] = {vk::DynamicState::eViewport, vk::DynamicState::eScissor,
                                               vk::DynamicState::eCullMode, vk::DynamicState::eFrontFace};
     const auto dynamic = vk::PipelineDynamicStateCreateInfo{}.setDynamicStates(dynamicStates);
-    const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = 1,
+    const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = colours,
                                                     .pColorAttachmentFormats = &info.color,
                                                     .depthAttachmentFormat = vk::Format::eD32Sfloat};
-    pipeline.handle = vk::raii::Pipeline(device.handle(), nullptr,
-                                         vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
-                                                                        .stageCount = 2,
-                                                                        .pStages = stages,
-                                                                        .pVertexInputState = &noInput,
-                                                                        .pInputAssemblyState = &triangles,
-                                                                        .pViewportState = &viewport,
-                                                                        .pRasterizationState = &raster,
-                                                                        .pMultisampleState = &multisample,
-                                                                        .pDepthStencilState = &depth,
-                                                                        .pColorBlendState = &blend,
-                                                                        .pDynamicState = &dynamic,
-                                                                        .layout = *pipeline.layout});
-    device.name(pipeline.handle, info.fragment);
+    pipeline.handle =
+        vk::raii::Pipeline(device.handle(), nullptr,
+                           vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
+                                                          .stageCount = info.fragment.empty() ? 1u : 2u,
+                                                          .pStages = stages,
+                                                          .pVertexInputState = &noInput,
+                                                          .pInputAssemblyState = &triangles,
+                                                          .pViewportState = &viewport,
+                                                          .pRasterizationState = &raster,
+                                                          .pMultisampleState = &multisample,
+                                                          .pDepthStencilState = &depth,
+                                                          .pColorBlendState = &blend,
+                                                          .pDynamicState = &dynamic,
+                                                          .layout = *pipeline.layout});
+    device.name(pipeline.handle, info.fragment.empty() ? info.vertex : info.fragment);
     return pipeline;
 }
 

@@ -7,9 +7,13 @@ void DeformPass::record(Frame& frame)
 {
     DeformedMeshes& meshes = frame.scene.deformedMeshes();
     std::vector<uint8_t> wanted(meshes.items().size(), 0);
-    for (size_t i = 0; i < frame.inView.size(); ++i)
-        if (const int deformed = frame.scene.objects()[i].deformed; deformed >= 0 && frame.inView[i])
-            wanted[size_t(deformed)] = meshes.items()[size_t(deformed)].stale;
+    const bool shadows = !frame.scene.shadows().empty();
+    for (size_t i = 0; i < frame.inView.size(); ++i) {
+        const GpuObject& object = frame.scene.objects()[i];
+        // What is out of view may cast its shadow into it.
+        if (object.deformed >= 0 && (frame.inView[i] || (shadows && object.casts)))
+            wanted[size_t(object.deformed)] = meshes.items()[size_t(object.deformed)].stale;
+    }
     if (std::none_of(wanted.begin(), wanted.end(), [](uint8_t is) { return is != 0; }))
         return;
     if (!*pipeline_.handle)

@@ -1,5 +1,5 @@
 // Deform: where joints and morph targets move vertices, once a frame for all that reads them. What has not
-// moved since it was last in view keeps its vertices.
+// moved since it last was in view or cast a shadow keeps its vertices.
 #pragma once
 #include "frame_context.h"
 

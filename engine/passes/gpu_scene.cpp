@@ -2,6 +2,8 @@
 #include "core/error.h"
 #include "core/image.h"
 #include "lit_pool.h"
+#include "scene/environment.h"
+#include "scene/material_maps.h"
 #include "shared/shading.h"
 #include <fmt/format.h>
 #include <glm/gtc/packing.hpp>
@@ -115,9 +117,10 @@ shared::Light packLight(const scene::Light& light)
 GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
                    const std::vector<scene::BakedMaterial>& materials)
     : frameLayout_(gpu::makeSetLayout(
-          device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer})),
+          device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer,
+                   vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eCombinedImageSampler})),
       materialLayout_(gpu::makeSetLayout(
-          device, std::vector<vk::DescriptorType>(5, vk::DescriptorType::eCombinedImageSampler)))
+          device, std::vector<vk::DescriptorType>(6, vk::DescriptorType::eCombinedImageSampler)))
 {
     for (const auto v : kAddressModes)
         for (const auto u : kAddressModes)
@@ -140,7 +143,8 @@ GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
     for (size_t i = 0; i < materials.size(); ++i)
         uploadMaterial(device, materials[i], scene.materials[i]);
     makeFrameSet(device);
-    lightScene(scene);
+    setEnvironment(device, scene.environment, 0);
+    setLights(scene::lightsOf(scene), 0);
     for (const scene::Object& object : scene.objects)
         addObject(device, scene, object);
     objectTable_ =
@@ -164,10 +168,11 @@ void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMater
     material.diffuse = upload({kKdR, kKdG, kKdB, kError}, " diffuse");
     material.glow = uploadChain(device, baked.glow, name + " glow");
     material.opacity = uploadChain(device, baked.opacity, name + " opacity");
+    material.albedo = uploadChain(device, scene::meanSpecular(mips), name + " albedo");
     material.set = gpu::makeSet(device, materialLayout_);
     uint32_t binding = 0;
-    for (const gpu::Image* image :
-         {&material.normal, &material.specular, &material.diffuse, &material.glow, &material.opacity})
+    for (const gpu::Image* image : {&material.normal, &material.specular, &material.diffuse, &material.glow,
+                                    &material.opacity, &material.albedo})
         gpu::writeSampled(device, *material.set, binding++,
                           samplerOf(image == &material.glow ? source.glowUv : source.uv), image->view());
     materials_.push_back(std::move(material));
@@ -183,10 +188,55 @@ void GpuScene::makeFrameSet(const gpu::Device& device)
     gpu::writeUniform(device, *frameSet_, 1, lights_.handle());
 }
 
-void GpuScene::lightScene(const scene::Scene& scene)
+void GpuScene::touchAll(uint32_t frame)
 {
-    const auto source = scene.lights.empty() ? scene::threeLightRig() : scene.lights;
-    setLights(source, 0);
+    changed_ = frame;
+    for (GpuObject& object : objects_)
+        object.data.changed = frame;
+}
+
+void GpuScene::setEnvironment(const gpu::Device& device,
+                              std::shared_ptr<const scene::Environment> environment, uint32_t frame)
+{
+    environment_ = std::move(environment);
+    const std::vector<Image> black = {Image(1, 1, 3)};
+    environmentMap_ = uploadChain(device, environment_ ? environment_->levels : black, "environment");
+    gpu::writeSampled(device, *frameSet_, 2, *samplers_.back(), environmentMap_.view()); // clamped
+    const shared::EnvironmentView before = std::exchange(environmentView_, {});
+    adjustEnvironment(before.intensity, glm::degrees(std::atan2(before.turn.y, before.turn.x)), frame);
+    touchAll(frame);
+}
+
+void GpuScene::adjustEnvironment(float intensity, float degrees, uint32_t frame)
+{
+    shared::EnvironmentView view{.diffuse = {},
+                                 .intensity = intensity,
+                                 .turn = {std::cos(glm::radians(degrees)), std::sin(glm::radians(degrees))}};
+    for (size_t i = 0; environment_ && i < environment_->diffuse.size(); ++i)
+        view.diffuse[i] = environment_->diffuse[i] * intensity;
+    if (std::memcmp(&view, &environmentView_, sizeof(view)) == 0)
+        return;
+    environmentView_ = view;
+    touchAll(frame);
+}
+
+void GpuScene::bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps)
+{
+    gpu::writeSampled(device, *frameSet_, 3, sampler, maps);
+}
+
+void GpuScene::setShadows(const std::vector<shared::Shadow>& shadows, uint32_t frame)
+{
+    // A light that got or lost its map is another for all that it reaches.
+    const auto touchMissing = [&](const auto& from, const auto& in) {
+        for (const shared::Shadow& shadow : from)
+            if (shadow.light < lightCount_ &&
+                std::ranges::none_of(in, [&](const auto& s) { return s.light == shadow.light; }))
+                touchLight(shadow.light, frame);
+    };
+    touchMissing(shadows_, shadows);
+    touchMissing(shadows, shadows_);
+    shadows_ = shadows;
 }
 
 // A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the
@@ -202,8 +252,7 @@ void GpuScene::setSky(const std::vector<scene::Light>& lights, uint32_t frame)
         return;
     sky_ = sky;
     ground_ = sky_ / 3.0f;
-    for (GpuObject& object : objects_) // all are lit by it
-        object.data.changed = changed_ = frame;
+    touchAll(frame);
 }
 
 void GpuScene::setLights(const std::vector<scene::Light>& lights, uint32_t frame)
@@ -282,6 +331,9 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     result.deformed = object.deformed;
     result.coloured = !mesh.colours.empty();
     result.blend = material.alphaMode == scene::AlphaMode::blend;
+    // What glows all over stands for a light, and would shade it.
+    const bool glows = material.unlit || (material.emissive != glm::vec3(0.0f) && material.emissiveImage < 0);
+    result.casts = !result.blend && !glows;
 
     shared::Object& data = result.data;
     data = {};

@@ -23,6 +23,7 @@ struct GpuTexelMap {
 
 struct GpuMaterial {
     gpu::Image normal, specular, diffuse, glow, opacity;
+    gpu::Image albedo; // mean Ks
     vk::raii::DescriptorSet set = nullptr;
     glm::uvec2 size{1};
 };
@@ -37,6 +38,7 @@ struct GpuObject {
     int deformed = -1; // in GpuScene::deformedMeshes()
     bool blend = false;
     bool coloured = false; // its vertices have colours
+    bool casts = true;     // a shadow
     bool mirrored = false; // the transform flips triangle winding
 };
 
@@ -63,6 +65,27 @@ public:
     void bend(const scene::Shapes& shapes, uint32_t frame);
     DeformedMeshes& deformedMeshes() { return deformed_; }
     const DeformedMeshes& deformedMeshes() const { return deformed_; }
+    // Null: none. Call when no frame is in flight; all objects are lit again.
+    void setEnvironment(const gpu::Device& device, std::shared_ptr<const scene::Environment> environment,
+                        uint32_t frame);
+    // What the environment's picture is multiplied by, and turned by about +Y, in degrees.
+    void adjustEnvironment(float intensity, float degrees, uint32_t frame);
+    const shared::EnvironmentView& environment() const { return environmentView_; }
+    // kFeature... of shaders that light its objects, or those of them that have vertex colours.
+    uint32_t features(bool coloured = false) const
+    {
+        return (environment_ ? shared::kFeatureEnvironment : 0u) |
+               (shadows_.empty() ? 0u : shared::kFeatureShadows) | (coloured ? shared::kFeatureColoured : 0u);
+    }
+    // Of ShadowPass.
+    void bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps);
+    void setShadows(const std::vector<shared::Shadow>& shadows, uint32_t frame);
+    const std::vector<shared::Shadow>& shadows() const { return shadows_; }
+    std::span<const shared::Light> lights() const { return {lights_.mapped<shared::Light>(), lightCount_}; }
+    void touchLight(uint32_t light, uint32_t frame)
+    {
+        lights_.mapped<shared::Light>()[light].changed = changed_ = frame;
+    }
     uint32_t changed() const { return changed_; } // frame of the last change to lights or objects
     uint32_t lightCount() const { return lightCount_; }
     glm::vec3 skyRadiance() const { return sky_; }
@@ -94,8 +117,8 @@ private:
         return *samplers_[size_t(uv.wrapU) + 3 * size_t(uv.wrapV)];
     }
     void makeFrameSet(const gpu::Device& device);
-    void lightScene(const scene::Scene& scene);
     void setSky(const std::vector<scene::Light>& lights, uint32_t frame);
+    void touchAll(uint32_t frame);
     void addObject(const gpu::Device& device, const scene::Scene& scene, const scene::Object& object);
     const GpuTexelMap* texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
                                    glm::uvec2 grid);
@@ -110,6 +133,10 @@ private:
     std::map<std::tuple<int, uint32_t, uint32_t>, std::unique_ptr<GpuTexelMap>> texelMaps_;
     std::vector<GpuObject> objects_;
     gpu::Buffer view_, lights_, objectTable_;
+    std::shared_ptr<const scene::Environment> environment_;
+    gpu::Image environmentMap_;
+    shared::EnvironmentView environmentView_{};
+    std::vector<shared::Shadow> shadows_;
     uint32_t changed_ = 0;
     uint32_t lightCount_ = 0;
     glm::vec3 sky_{0.0f}, ground_{0.0f};

@@ -1,23 +1,23 @@
 #include "light_pass.h"
 
 namespace lumel {
-namespace {
-
-gpu::Pipeline makeLightPipeline(const gpu::Device& device, const GpuScene& scene, const LitPool& pool,
-                                bool coloured)
-{
-    return gpu::makeComputePipeline(device, "light.comp",
-                                    {*scene.frameLayout(), *scene.materialLayout(), *pool.layout()},
-                                    sizeof(shared::LightPush), coloured);
-}
-
-} // namespace
 
 LightPass::LightPass(const gpu::Device& device, const GpuScene& scene, const LitPool& pool)
-    : light_(makeLightPipeline(device, scene, pool, false)),
-      lower_(gpu::makeComputePipeline(device, "lower.comp", {*scene.frameLayout(), *pool.layout()},
+    : lower_(gpu::makeComputePipeline(device, "lower.comp", {*scene.frameLayout(), *pool.layout()},
                                       sizeof(shared::LightPush)))
 {
+}
+
+const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool& pool, bool coloured)
+{
+    const uint32_t features = frame.scene.features(coloured);
+    gpu::Pipeline& pipeline = light_[features];
+    if (!*pipeline.handle)
+        pipeline = gpu::makeComputePipeline(
+            frame.device, "light.comp",
+            {*frame.scene.frameLayout(), *frame.scene.materialLayout(), *pool.layout()},
+            sizeof(shared::LightPush), features);
+    return pipeline;
 }
 
 void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan)
@@ -26,9 +26,7 @@ void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& p
     const vk::CommandBuffer commands = frame.commands;
     for (uint32_t i = 0; i < plan.lightJobs().size(); ++i) {
         const PlanPass::LightJob& job = plan.lightJobs()[i];
-        if (job.coloured && !*colouredLight_.handle)
-            colouredLight_ = makeLightPipeline(frame.device, frame.scene, pool, true);
-        const gpu::Pipeline& light = job.coloured ? colouredLight_ : light_;
+        const gpu::Pipeline& light = lightPipeline(frame, pool, job.coloured);
         bindSets(frame, vk::PipelineBindPoint::eCompute, light,
                  {*job.material->set, *pool.blocks()[size_t(job.block)].set});
         pushConstants(commands, light, plan.push(i));

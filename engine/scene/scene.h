@@ -6,6 +6,7 @@
 #include "deformation.h"
 #include "shared/structs.h"
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -147,14 +148,17 @@ struct Light {
     bool operator==(const Light&) const = default;
 };
 
+struct Environment; // environment.h
+
 struct Scene {
     std::filesystem::path file;
     std::vector<Mesh> meshes;
     std::vector<Material> materials; // the ones that objects use
     std::vector<SceneImage> images;
     std::vector<Object> objects;
-    std::vector<Camera> cameras; // as in the file; may be empty
-    std::vector<Light> lights;   // as in the file; may be empty
+    std::vector<Camera> cameras;                    // as in the file; may be empty
+    std::vector<Light> lights;                      // as in the file; may be empty
+    std::shared_ptr<const Environment> environment; // none: a faint constant light fills the shadows
     std::vector<Skin> skins;
     std::vector<DeformedMesh> deformed;
     Animation animation; // objects, cameras and lights are where the nodes say, not the tracks

@@ -23,8 +23,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Mat
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Floats { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Colours { uvec2 at[]; };
 
-// Do the objects have vertex colours? Those that do have pipelines of their own.
-layout(constant_id = 1) const bool kColoured = false;
+// Pipelines by what lights their objects. The draw filter is constant 1.
+layout(constant_id = 0) const uint kFeatures = 0u; // kFeature...
+const bool kColoured = (kFeatures & kFeatureColoured) != 0u;
 
 // Of the frame. Uniform buffers: loads that are the same for all invocations are cheap from there.
 layout(set = 0, binding = 0, scalar) uniform ViewBlock { View view; };

@@ -66,6 +66,30 @@ struct Light {
     uint changed; // frame in which it last moved or changed
 };
 
+// The surroundings, see shared/environment.h.
+struct EnvironmentView {
+    vec3 diffuse[9]; // of the quadric, scaled by the intensity
+    float intensity; // multiplies the texture
+    vec2 turn;       // cosine and sine of the rotation about +Y
+};
+
+// What shaders are compiled with (specialisation constant 0, see interface.glsl): software Vulkan runs both sides
+// of any other branch.
+LUMEL_CONST uint kFeatureEnvironment = 1u;
+LUMEL_CONST uint kFeatureShadows = 2u;
+LUMEL_CONST uint kFeatureColoured = 4u; // vertices have colours
+
+// Bits of JobTile::lights.
+LUMEL_CONST uint kListedLights = 256u;
+
+// A light's shadow map: a layer of the array. Each light costs a map's memory and up to four comparisons a lumel.
+LUMEL_CONST uint kMaxShadows = 8u;
+struct Shadow {
+    mat4 mapFromWorld; // xy: 0 to 1 over the map, z: depth
+    uint light;        // below kListedLights
+    float texel;       // metres, at a w of 1
+};
+
 // One camera of one frame.
 struct View {
     mat4 clipFromWorld;
@@ -79,6 +103,11 @@ struct View {
     uint frame;        // from 1
     float levelOffset; // levels that lit textures are coarser than one lumel a pixel
     LUMEL_ADDRESS(Objects) objects;
+    EnvironmentView environment;
+    uint shadowCount;
+    Shadow shadows[kMaxShadows];
+    uint shadowed[kListedLights / 32u]; // the lights that have a map, as in JobTile
+    mat4 worldFromClip; // for the background
 };
 
 LUMEL_CONST uint kMaxLevels = 14u; // 8192 lumels down to 1
@@ -86,7 +115,7 @@ LUMEL_CONST uint kMaxLevels = 14u; // 8192 lumels down to 1
 LUMEL_CONST uint kObjectDoubleSided = 1u;
 LUMEL_CONST uint kObjectMask = 2u; // alpha below alphaCutoff is cut out
 LUMEL_CONST uint kObjectOwnMaterialUv = 4u; // its material UVs are not its lit UVs
-LUMEL_CONST uint kObjectUnlit = 8u; // its colour is what it emits
+LUMEL_CONST uint kObjectUnlit = 16u; // its colour is what it emits
 
 struct Object {
     mat4 worldFromObject;
@@ -153,7 +182,6 @@ LUMEL_CONST uint kFadeFrames = 8u;
 
 // A tile in the list of a job, with the lights that may reach it: bit i of word i / 32 is light i. Lights past
 // the last bit are taken to reach every tile.
-LUMEL_CONST uint kListedLights = 256u;
 struct JobTile {
     Tile tile;
     uint lights[kListedLights / 32u];
@@ -230,6 +258,11 @@ struct NeedPush {
     float divisor; // full-size pixels per sample, per axis
     uint object;
     uvec2 size;    // samples
+};
+
+struct ShadowPush {
+    mat4 clipFromWorld;
+    uint object;
 };
 
 struct PlanPush {

@@ -55,6 +55,29 @@ TEST_F(Shot, UnknownCameraAndFormatFail)
     expectOneLine(run({"shot", "square.gltf", "-o", "out.docx"}), 1, "out.docx");
 }
 
+TEST_F(Shot, WhatIsNoEnvironmentFails)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    const auto shoot = [&](const char* file) {
+        return run({"shot", "square.gltf", "-o", "out.png", "--size", "32x18", "--environment", file});
+    };
+    expectOneLine(shoot("nowhere.hdr"), 1, "nowhere.hdr");
+    expectOneLine(shoot("sky.jpg"), 1, "sky.jpg");
+    writeText(folder_ / "poem.hdr", "Roses are red, this is no sky.\n");
+    expectOneLine(shoot("poem.hdr"), 1, "poem.hdr");
+    writeText(folder_ / "huge.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16000 +X 32000\n");
+    expectOneLine(shoot("huge.hdr"), 1, "huge.hdr");
+    writeImage(folder_ / "one.exr", Image(1, 1, 3));
+    expectOneLine(shoot("one.exr"), 1, "one.exr");
+    Image dark(8, 4, 3);
+    dark.pixels[5] = -1.0f;
+    writeImage(folder_ / "dark.exr", dark);
+    expectOneLine(shoot("dark.exr"), 1, "dark.exr");
+    EXPECT_FALSE(fs::exists(folder_ / "out.png"));
+    writeImage(folder_ / "black.exr", Image(8, 4, 3));
+    EXPECT_EQ(shoot("black.exr").exitCode, 0);
+}
+
 TEST_F(Shot, UsageErrorsExitWithTwo)
 {
     expectOneLine(run({"shot", "a.gltf", "--frobnicate", "-o", "out.png"}), 2, "--frobnicate");

@@ -1,6 +1,7 @@
 // Meshes that bend: the vertices that the GPU makes against the CPU's, and pictures of all shadings against
 // the reference while they move.
 #include "core/compare.h"
+#include "scene/environment.h"
 #include "shared/tint.h"
 #include "test_scene.h"
 
@@ -57,6 +58,24 @@ void setShape(TestScene& s, float seconds)
 }
 
 const scene::Camera kCamera = cameraAt({0.4f, 0.6f, 3.6f});
+
+// The first mesh's colours show in all shadings, and white ones are none.
+void expectTints(const TestScene& s)
+{
+    const Picture truth = shoot(s, kCamera, settingsFor(Shading::reference));
+    EXPECT_GT(psnr(shoot(s, kCamera, settingsFor(Shading::tsl)).display, truth.display), 36.0);
+    EXPECT_GT(psnr(shoot(s, kCamera, settingsFor(Shading::forward)).display, truth.display), 36.0);
+    TestScene white = s;
+    for (glm::vec4& colour : white.scene.meshes[0].colours)
+        colour = glm::vec4(1.0f);
+    TestScene none = white;
+    none.scene.meshes[0].colours.clear();
+    for (const Shading shading : {Shading::tsl, Shading::forward}) {
+        const Image without = shoot(none, kCamera, settingsFor(shading)).display;
+        EXPECT_GT(psnr(shoot(white, kCamera, settingsFor(shading)).display, without), 60.0);
+        EXPECT_LT(psnr(shoot(s, kCamera, settingsFor(shading)).display, without), 25.0);
+    }
+}
 
 } // namespace
 
@@ -119,6 +138,36 @@ TEST_F(DeformTest, WhatStandsStillKeepsItsLumelsAndWhatMovesIsLitAgain)
     EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, kCamera, settingsFor(Shading::tsl)).display), 45.0);
 }
 
+// The shadow of what bends follows it, whether the camera sees what casts it or the ground alone.
+TEST_F(DeformTest, AShadowFollowsWhatBends)
+{
+    TestScene s = bendingScene(plainMaps());
+    s.add(planeMesh(8), plainMaps(),
+          glm::translate(glm::mat4(1.0f), {1, 0, -1.5f}) * glm::scale(glm::mat4(1.0f), glm::vec3(4)));
+    s.scene.lights = {sun({1, 0, -1})};
+    const scene::Camera ground = cameraAt({2.6f, 0, 1.5f}, {2.6f, 0, -1.5f}, 0.5f);
+    for (const scene::Camera& camera : {cameraAt({1, -4, 3}, {1, 0, -1}), ground}) {
+        const bool outOfView = camera.yFov == ground.yFov;
+        Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
+        setShape(s, 0.0f);
+        const Picture before = shoot(s, camera, settingsFor(Shading::reference));
+        renderer.bend(shapeAt(0.0f));
+        EXPECT_EQ(renderer.render(camera).objectsCulled, outOfView ? 1u : 0u);
+        EXPECT_GT(psnr(renderer.readDisplay(), before.display), 33.0);
+        setShape(s, 1.2f);
+        const Picture after = shoot(s, camera, settingsFor(Shading::reference));
+        EXPECT_LT(psnr(after.display, before.display), 22.0);
+        renderer.bend(shapeAt(1.2f));
+        const FrameStats stats = renderer.render(camera);
+        EXPECT_GT(stats.passMs.at("shadow"), 0.0);
+        EXPECT_GT(stats.lumelsLit, 0u);
+        EXPECT_GT(psnr(renderer.readDisplay(), after.display), 33.0);
+        // A pause: its map is as good as new.
+        renderer.bend(shapeAt(1.2f));
+        EXPECT_FALSE(renderer.render(camera).passMs.contains("shadow"));
+    }
+}
+
 TEST_F(DeformTest, TheSameMotionGivesTheSameBits)
 {
     const TestScene s = bendingScene();
@@ -170,18 +219,10 @@ TEST_F(DeformTest, VertexColoursTintEveryShading)
     s.add(mesh, plainMaps());
     s.add(planeMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(0.5f, 0, -1)));
     s.scene.lights = {sun({-0.3f, 0.2f, -1.0f})};
-    const Picture truth = shoot(s, kCamera, settingsFor(Shading::reference));
-    EXPECT_GT(psnr(shoot(s, kCamera, settingsFor(Shading::tsl)).display, truth.display), 36.0);
-    EXPECT_GT(psnr(shoot(s, kCamera, settingsFor(Shading::forward)).display, truth.display), 36.0);
-    TestScene white = s;
-    for (glm::vec4& colour : white.scene.meshes[0].colours)
-        colour = glm::vec4(1.0f);
-    TestScene none = white;
-    none.scene.meshes[0].colours.clear();
-    for (const Shading shading : {Shading::tsl, Shading::forward}) {
-        const Image without = shoot(none, kCamera, settingsFor(shading)).display;
-        EXPECT_GT(psnr(shoot(white, kCamera, settingsFor(shading)).display, without), 60.0);
-        EXPECT_LT(psnr(shoot(s, kCamera, settingsFor(shading)).display, without), 25.0);
+    for (const auto& environment : {std::shared_ptr<const scene::Environment>(),
+                                    std::make_shared<const scene::Environment>(scene::skyEnvironment())}) {
+        s.scene.environment = environment;
+        expectTints(s);
     }
 }
 

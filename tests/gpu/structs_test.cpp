@@ -93,6 +93,8 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Vertex, normal);
     EXPECT_OFFSET(Vertex, tangent);
     EXPECT_OFFSET(Vertex, uv);
+    EXPECT_OFFSET(Vertex, materialUv);
+    EXPECT_OFFSET(Vertex, glowUv);
     EXPECT_OFFSET(Influence, joint);
     EXPECT_OFFSET(Influence, weight);
     EXPECT_OFFSET(MorphDelta, target);
@@ -128,6 +130,17 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(View, frame);
     EXPECT_OFFSET(View, levelOffset);
     EXPECT_OFFSET(View, objects);
+    EXPECT_OFFSET(View, environment);
+    EXPECT_OFFSET(View, shadowCount);
+    EXPECT_OFFSET(View, shadows);
+    EXPECT_OFFSET(View, shadowed);
+    EXPECT_OFFSET(View, worldFromClip);
+    EXPECT_OFFSET(EnvironmentView, diffuse);
+    EXPECT_OFFSET(EnvironmentView, intensity);
+    EXPECT_OFFSET(EnvironmentView, turn);
+    EXPECT_OFFSET(Shadow, mapFromWorld);
+    EXPECT_OFFSET(Shadow, light);
+    EXPECT_OFFSET(Shadow, texel);
     EXPECT_OFFSET(Object, worldFromObject);
     EXPECT_OFFSET(Object, worldFromObjectNormal);
     EXPECT_OFFSET(Object, vertices);
@@ -138,6 +151,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Object, texelOffsets);
     EXPECT_OFFSET(Object, litSize);
     EXPECT_OFFSET(Object, materialLevelOffset);
+    EXPECT_OFFSET(Object, glowLevelOffset);
     EXPECT_OFFSET(Object, flags);
     EXPECT_OFFSET(Object, alphaCutoff);
     EXPECT_OFFSET(Object, changed);
@@ -185,6 +199,8 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(NeedPush, divisor);
     EXPECT_OFFSET(NeedPush, object);
     EXPECT_OFFSET(NeedPush, size);
+    EXPECT_OFFSET(ShadowPush, clipFromWorld);
+    EXPECT_OFFSET(ShadowPush, object);
     EXPECT_OFFSET(PlanPush, plan);
     EXPECT_OFFSET(PlanPush, marks);
     EXPECT_OFFSET(PlanPush, jobs);
