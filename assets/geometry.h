@@ -13,6 +13,11 @@ using shared::Vertex;
 struct Shape {
     std::vector<Vertex> vertices;
     std::vector<uint32_t> indices; // counter-clockwise seen from where the normals point
+    // Of each vertex; all of them may be empty.
+    std::vector<glm::vec3> colours;           // linear
+    std::vector<glm::vec<4, uint8_t>> joints; // of the object's skin
+    std::vector<glm::vec4> weights;           // of these joints, their sum is 1
+    std::vector<Shape> targets;               // what it morphs into: the same vertices elsewhere
 
     uint32_t add(glm::vec3 position, glm::vec3 normal, glm::vec3 tangent, glm::vec2 uv);
     void quad(uint32_t a, uint32_t b, uint32_t c, uint32_t d); // in ring order, either way round

@@ -1,5 +1,6 @@
 #include "gltf_writer.h"
 #include "core/file.h"
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -9,7 +10,7 @@ namespace {
 using nlohmann::json;
 
 // Numbers of the glTF 2.0 specification (those of WebGL).
-constexpr int kFloat = 5126, kUnsignedInt = 5125, kClampToEdge = 33071, kLinear = 9729,
+constexpr int kFloat = 5126, kUnsignedInt = 5125, kUnsignedByte = 5121, kClampToEdge = 33071, kLinear = 9729,
               kLinearMipLinear = 9987;
 
 json toJson(glm::vec3 v)
@@ -77,6 +78,8 @@ int GltfWriter::addMaterial(const std::string& name, const MaterialLook& look)
                        {"metallicFactor", look.metallic},
                        {"roughnessFactor", roughness}}},
                      {"extras", {{"lumel", {{"power", look.power}}}}}};
+    if (look.doubleSided)
+        material["doubleSided"] = true;
     if (look.glow != glm::vec3(0.0f))
         material["emissiveFactor"] = toJson(look.glow);
     if (look.colourImage >= 0)
@@ -125,19 +128,98 @@ int GltfWriter::addShape(const Shape& shape)
     attributes["TEXCOORD_0"] = addAccessor(uvs.data(), n * sizeof uvs[0], kFloat, n, "VEC2");
     const int indices = addAccessor(shape.indices.data(), shape.indices.size() * 4, kUnsignedInt,
                                     shape.indices.size(), "SCALAR");
+    if (!shape.colours.empty())
+        attributes["COLOR_0"] = addVectors(shape.colours, "VEC3");
+    if (!shape.joints.empty()) {
+        attributes["JOINTS_0"] =
+            addAccessor(shape.joints.data(), n * sizeof shape.joints[0], kUnsignedByte, n, "VEC4");
+        attributes["WEIGHTS_0"] = addVectors(shape.weights, "VEC4");
+    }
     shapes_.push_back({{"attributes", attributes}, {"indices", indices}});
+    for (const Shape& target : shape.targets)
+        shapes_.back()["targets"].push_back(addTarget(shape, target));
     return int(shapes_.size()) - 1;
 }
 
-int GltfWriter::addNode(json node)
+json GltfWriter::addTarget(const Shape& from, const Shape& to)
+{
+    std::vector<glm::vec3> positions, normals, tangents;
+    Bounds bounds;
+    for (size_t i = 0; i < from.vertices.size(); ++i) {
+        const Vertex &a = from.vertices[i], &b = to.vertices[i];
+        positions.push_back(b.position - a.position);
+        normals.push_back(b.normal - a.normal);
+        tangents.push_back(glm::vec3(b.tangent) - glm::vec3(a.tangent));
+        bounds.add(positions.back());
+    }
+    json target = {{"POSITION", addVectors(positions, "VEC3")}};
+    json_["accessors"].back()["min"] = toJson(bounds.lower);
+    json_["accessors"].back()["max"] = toJson(bounds.upper);
+    target["NORMAL"] = addVectors(normals, "VEC3");
+    target["TANGENT"] = addVectors(tangents, "VEC3");
+    return target;
+}
+
+int GltfWriter::addNode(json node, int parent)
 {
     json_["nodes"].push_back(std::move(node));
     const int index = int(json_["nodes"].size()) - 1;
-    json_["scenes"][0]["nodes"].push_back(index);
+    json& siblings = parent < 0 ? json_["scenes"][0]["nodes"] : json_["nodes"][size_t(parent)]["children"];
+    siblings.push_back(index);
     return index;
 }
 
-int GltfWriter::addObject(const std::string& name, int shape, int material, const Placement& placement)
+void GltfWriter::use(const char* extension)
+{
+    json& used = json_["extensionsUsed"];
+    if (std::find(used.begin(), used.end(), extension) == used.end())
+        used.push_back(extension);
+}
+
+void GltfWriter::addInstances(const std::string& name, int shape, int material,
+                              const std::vector<Instance>& instances)
+{
+    std::vector<glm::vec3> positions, scales;
+    std::vector<glm::vec4> rotations;
+    for (const Instance& instance : instances) {
+        positions.push_back(instance.position);
+        scales.emplace_back(instance.scale);
+        rotations.emplace_back(instance.rotation.x, instance.rotation.y, instance.rotation.z,
+                               instance.rotation.w);
+    }
+    use("EXT_mesh_gpu_instancing");
+    json node = {{"name", name}, {"mesh", addMesh(name, shape, material)}};
+    node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+        {"TRANSLATION", addVectors(positions, "VEC3")},
+        {"ROTATION", addVectors(rotations, "VEC4")},
+        {"SCALE", addVectors(scales, "VEC3")}};
+    addNode(std::move(node));
+}
+
+std::vector<int> GltfWriter::addChain(const std::string& name, int shape, int material, const Placement& foot,
+                                      int joints, float spacing)
+{
+    const float half = glm::radians(0.5f * foot.turnDegrees);
+    int parent = addNode({{"name", name + " foot"},
+                          {"translation", toJson(foot.position)},
+                          {"rotation", {0.0f, std::sin(half), 0.0f, std::cos(half)}},
+                          {"scale", toJson(glm::vec3(foot.scale))}});
+    std::vector<int> nodes;
+    std::vector<glm::mat4> inverses;
+    for (int i = 0; i < joints; ++i) {
+        json node = {{"name", name + " joint " + std::to_string(i)}};
+        if (i > 0)
+            node["translation"] = {0.0f, spacing, 0.0f};
+        parent = addNode(std::move(node), parent);
+        nodes.push_back(parent);
+        inverses.push_back(glm::translate(glm::mat4(1.0f), {0.0f, -spacing * float(i), 0.0f}));
+    }
+    json_["skins"].push_back({{"joints", nodes}, {"inverseBindMatrices", addVectors(inverses, "MAT4")}});
+    addNode({{"name", name}, {"mesh", addMesh(name, shape, material)}, {"skin", json_["skins"].size() - 1}});
+    return nodes;
+}
+
+int GltfWriter::addMesh(const std::string& name, int shape, int material)
 {
     const auto [mesh, isNew] = meshes_.try_emplace({shape, material}, meshes_.size());
     if (isNew) {
@@ -145,7 +227,14 @@ int GltfWriter::addObject(const std::string& name, int shape, int material, cons
         primitive["material"] = material;
         json_["meshes"].push_back({{"name", name}, {"primitives", {primitive}}});
     }
-    json node = {{"name", name}, {"mesh", mesh->second}, {"translation", toJson(placement.position)}};
+    return int(mesh->second);
+}
+
+int GltfWriter::addObject(const std::string& name, int shape, int material, const Placement& placement)
+{
+    json node = {{"name", name},
+                 {"mesh", addMesh(name, shape, material)},
+                 {"translation", toJson(placement.position)}};
     if (placement.turnDegrees != 0.0f) {
         const float half = glm::radians(0.5f * placement.turnDegrees);
         node["rotation"] = {0.0f, std::sin(half), 0.0f, std::cos(half)};
@@ -244,6 +333,19 @@ void GltfWriter::move(const std::vector<int>& nodes, const std::vector<float>& s
     const int output =
         addAccessor(values.data(), values.size() * sizeof values[0], kFloat, values.size(), "VEC3");
     addChannels(nodes, "translation", input, output, "CUBICSPLINE");
+}
+
+void GltfWriter::weigh(int node, const std::vector<float>& seconds,
+                       const std::vector<std::vector<float>>& weights)
+{
+    std::vector<float> values; // of each key: in-tangents, values, out-tangents
+    for (const std::vector<float>& key : weights) {
+        values.insert(values.end(), key.size(), 0.0f);
+        values.insert(values.end(), key.begin(), key.end());
+        values.insert(values.end(), key.size(), 0.0f);
+    }
+    const int input = addTimes(seconds), output = addVectors(values, "SCALAR");
+    addChannels({node}, "weights", input, output, "CUBICSPLINE");
 }
 
 void GltfWriter::write() const

@@ -17,11 +17,18 @@ struct MaterialLook {
     glm::vec3 glow{0.0f}; // emitted radiance, at most 1
     int colourImage = -1; // from addColour()
     int heightImage = -1; // from addHeight()
+    bool doubleSided = false;
 };
 
 struct Placement {
     glm::vec3 position{0.0f};
     float turnDegrees = 0.0f; // about +Y
+    float scale = 1.0f;
+};
+
+struct Instance {
+    glm::vec3 position{0.0f};
+    glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f};
     float scale = 1.0f;
 };
 
@@ -38,6 +45,13 @@ public:
     // Objects of one shape and one material share a mesh.
     // These return the node, for animate().
     int addObject(const std::string& name, int shape, int material, const Placement& placement = {});
+    // One node for all (EXT_mesh_gpu_instancing).
+    void addInstances(const std::string& name, int shape, int material,
+                      const std::vector<Instance>& instances);
+    // Joints one above the other, `spacing` metres apart along +Y, the first at `foot`; an object of the
+    // shape that they bend. Returns their nodes. The shape stands on the first joint at rest.
+    std::vector<int> addChain(const std::string& name, int shape, int material, const Placement& foot,
+                              int joints, float spacing);
     int addCamera(const std::string& name, glm::vec3 eye, glm::vec3 target, float yFovDegrees,
                   float nearMetres);
     // lux; the light travels from `from` towards the origin.
@@ -51,12 +65,22 @@ public:
     void turn(int node, const std::vector<float>& seconds, const std::vector<glm::quat>& rotations);
     void move(const std::vector<int>& nodes, const std::vector<float>& seconds,
               const std::vector<glm::vec3>& places, const std::vector<glm::vec3>& tangents);
+    // Weights of the node's morph targets, all of them for each key, through a spline without slope.
+    void weigh(int node, const std::vector<float>& seconds, const std::vector<std::vector<float>>& weights);
     void write() const;
 
 private:
     int addTexture(const std::string& file);
+    template<class T>
+    int addVectors(const std::vector<T>& values, const char* type)
+    {
+        return addAccessor(values.data(), values.size() * sizeof(T), 5126, values.size(), type); // floats
+    }
+    nlohmann::json addTarget(const Shape& from, const Shape& to);
     int addAccessor(const void* data, size_t bytes, int componentType, size_t count, const char* type);
-    int addNode(nlohmann::json node);
+    void use(const char* extension);
+    int addMesh(const std::string& name, int shape, int material);
+    int addNode(nlohmann::json node, int parent = -1);
     int addLight(nlohmann::json light, nlohmann::json place);
     int addTimes(const std::vector<float>& seconds);
     void addChannels(const std::vector<int>& nodes, const char* path, int input, int output,

@@ -18,7 +18,9 @@ int main(int argc, char** argv)
         using namespace lumel::assets;
         tbb::parallel_invoke([&] { writeRecord(folder / "record"); }, [&] { writeBalls(folder / "balls"); },
                              [&] { writeBricks(folder / "bricks"); }, [&] { writeCharts(folder / "charts"); },
-                             [&] { writeCrowd(folder / "crowd"); }, [&] { writeStress(folder / "stress"); });
+                             [&] { writeCrowd(folder / "crowd"); }, [&] { writeStress(folder / "stress"); },
+                             [&] { writeTentacles(folder / "tentacles"); },
+                             [&] { writeMorph(folder / "morph"); }, [&] { writeDahlia(folder / "dahlia"); });
     } catch (const std::exception& e) {
         std::fprintf(stderr, "%s\n", e.what());
         return 1;

@@ -10,5 +10,8 @@ void writeBricks(const std::filesystem::path& folder);
 void writeCharts(const std::filesystem::path& folder);
 void writeCrowd(const std::filesystem::path& folder);
 void writeStress(const std::filesystem::path& folder);
+void writeTentacles(const std::filesystem::path& folder);
+void writeMorph(const std::filesystem::path& folder);
+void writeDahlia(const std::filesystem::path& folder);
 
 } // namespace lumel::assets

@@ -94,6 +94,7 @@ void BenchRunner::addScene(const std::filesystem::path& file)
     }
     const std::vector<scene::Object> objects = scene.objects;
     const std::vector<scene::Light> lights = scene.lights;
+    const auto environment = scene.environment;
     for (const glm::uvec2 size : arguments_.sizes)
         for (const int lightCount : arguments_.lightCounts)
             for (const int objectCount : arguments_.objectCounts) {
@@ -102,6 +103,9 @@ void BenchRunner::addScene(const std::filesystem::path& file)
                 view.settings.size = size;
                 view.lights = arguments_.load.empty() ? lightCount : arguments_.load.front().lights;
                 scene.lights = view.lights > 0 ? scene::lightRing(view.lights, scene.bounds) : lights;
+                // As for `shot`: other lights than the scene's do without the usual sky.
+                const bool usual = view.lights == 0 || !arguments_.environment.empty();
+                scene.environment = usual ? environment : nullptr;
                 scene.objects = spreadObjects(objects, size_t(objectCount));
                 addView(scene, view);
                 if (objectCount > 0)

@@ -60,6 +60,11 @@ void addSettings(Options& options, const Settings& s)
     options.add("--tolerance", s.tolerance, usual.tolerance);
     options.add("--anisotropy", s.anisotropy, usual.anisotropy);
     options.add("--msaa", s.msaa, usual.msaa);
+    options.add("--environment-intensity", s.environmentIntensity, usual.environmentIntensity);
+    options.add("--environment-rotation", s.environmentRotation, usual.environmentRotation);
+    if (!s.shadows)
+        options.set("--shadows", "off");
+    options.add("--shadow-size", s.shadowSize, usual.shadowSize);
     options.add("--exposure", s.exposure, usual.exposure);
     options.add("--tone-map", s.toneMap, usual.toneMap, kToneMapNames);
     options.add("--pool-mb", s.poolBytes >> 20, usual.poolBytes >> 20);
@@ -83,6 +88,10 @@ std::string shotCommand(const SceneArguments& a, const scene::ViewCamera& camera
     } else if (!a.camera.empty()) {
         options.set("--camera", a.camera);
     }
+    if (a.environment == "none" || a.environment == "sky")
+        options.set("--environment", a.environment);
+    else if (!a.environment.empty())
+        options.set("--environment", std::filesystem::absolute(a.environment).string());
     options.add("--lights", a.lights, usual.lights);
     for (const scene::Light& light : a.lightList)
         options.set("--light", scene::lightText(light));

@@ -33,9 +33,10 @@ struct SceneArguments {
     Settings settings;
     std::string camera; // name or index; empty = the first, or one that frames the scene
     std::optional<glm::vec3> eye, target;
-    float fovDegrees = 40.0f;                                                 // vertical, with eye and target
-    int lights = 0;                                                           // 0 = the scene's
-    std::vector<scene::Light> lightList;                                      // in place of all others
+    float fovDegrees = 40.0f;            // vertical, with eye and target
+    int lights = 0;                      // 0 = the scene's
+    std::string environment;             // none, sky or a file; empty: sky where the scene has no lights
+    std::vector<scene::Light> lightList; // in place of all others
     std::vector<std::pair<std::string, std::filesystem::path>> materialFiles; // name, baked file
     baker::Method filter = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;

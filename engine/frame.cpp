@@ -11,6 +11,8 @@ namespace lumel {
 void Renderer::recordFrame(Frame& frame)
 {
     settled_ = true;
+    deform_.record(frame); // joints and morph targets move vertices
+    shadow_.record(frame); // how far do the lights reach? Not through what has moved.
     if (settings_.shading == Shading::tsl)
         recordTextureSpace(frame);
     if (settings_.shading == Shading::reference)
@@ -37,8 +39,9 @@ void Renderer::recordTextureSpace(Frame& frame)
 Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
                    const std::vector<scene::BakedMaterial>& materials, const Settings& settings)
     : device_(device), settings_(settings), targets_(device, settings), scene_(device, scene, materials),
-      pool_(device, settings.poolBytes), need_(device, settings.size, scene_), plan_(device, scene_, need_),
-      light_(device, scene_, pool_), display_(device, scene_, targets_), timer_(device),
+      shadow_(device, scene_), pool_(device, settings.poolBytes), need_(device, settings.size, scene_),
+      plan_(device, scene_, need_), light_(device, scene_, pool_), display_(device, scene_, targets_),
+      timer_(device),
       commands_(device.handle(), {.commandPool = *device.commandPool(), .commandBufferCount = 1})
 {
     if (settings.budgetMs > 0.0)
@@ -170,7 +173,7 @@ void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
     glm::mat4 shift(1.0f);
     shift[3][0] = 2.0f * shiftInPixels.x / float(settings_.size.x);
     shift[3][1] = 2.0f * shiftInPixels.y / float(settings_.size.y);
-    scene_.writeView({.clipFromWorld = shift * frame.clipFromWorld,
+    shared::View view{.clipFromWorld = shift * frame.clipFromWorld,
                       .eyeInWorld = frame.eye,
                       .lightCount = scene_.lightCount(),
                       .skyRadiance = scene_.skyRadiance(),
@@ -180,7 +183,17 @@ void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
                       .sizePixels = settings_.size,
                       .frame = frame.index,
                       .levelOffset = frame.detail.levelOffset,
-                      .objects = scene_.objectTable()});
+                      .objects = scene_.objectTable(),
+                      .environment = scene_.environment(),
+                      .shadowCount = 0,
+                      .shadows = {},
+                      .shadowed = {},
+                      .worldFromClip = glm::mat4(glm::inverse(glm::dmat4(shift * frame.clipFromWorld)))};
+    for (const shared::Shadow& shadow : scene_.shadows()) {
+        view.shadows[view.shadowCount++] = shadow;
+        view.shadowed[shadow.light / 32] |= 1u << shadow.light % 32;
+    }
+    scene_.writeView(view);
 }
 
 FrameStats Renderer::render(const scene::Camera& camera)
@@ -221,6 +234,11 @@ void Renderer::setSettings(const Settings& settings)
         display_.connect(device_, targets_);
         sumSamples_ = 0;
     }
+    const auto lightOf = [](const Settings& s) {
+        return std::tuple(s.environmentIntensity, s.environmentRotation, s.shadows, s.shadowSize);
+    };
+    if (lightOf(settings) != lightOf(before))
+        sumSamples_ = 0; // lumels see to it that what changed is lit again
     if (settings.size != before.size)
         need_.resize(device_, settings.size);
     if (settings.budgetMs != before.budgetMs) {
@@ -279,6 +297,8 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
                 .rooms = rooms_};
     frame.detail.levelOffset += quality_.levelBias;
     renderSize_ = frame.renderSize;
+    scene_.adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, frameIndex_);
+    shadow_.prepare(device_, scene_, settings_, frameIndex_);
     frame.inView = scene_.objectsInView(frame.clipFromWorld);
     scene_.writeObjects();
     writeView(frame, glm::vec2(0.0f));

@@ -1,10 +1,12 @@
 // The renderer: one scene, one picture size, frame after frame.
 #pragma once
+#include "passes/deform_pass.h"
 #include "passes/display_pass.h"
 #include "passes/draw_pass.h"
 #include "passes/light_pass.h"
 #include "passes/need_pass.h"
 #include "passes/plan_pass.h"
+#include "passes/shadow_pass.h"
 #include "stats.h"
 #include "tsl/budget.h"
 
@@ -31,10 +33,15 @@ public:
 
     // From the next frame on; what they reach is lit again.
     void setLights(const std::vector<scene::Light>& lights) { scene_.setLights(lights, frameIndex_ + 1); }
+    void setEnvironment(std::shared_ptr<const scene::Environment> environment)
+    {
+        scene_.setEnvironment(device_, std::move(environment), frameIndex_ + 1);
+    }
     void moveObject(size_t object, const glm::mat4& worldFromObject)
     {
         scene_.moveObject(object, worldFromObject, frameIndex_ + 1);
     }
+    void bend(const scene::Shapes& shapes) { scene_.bend(shapes, frameIndex_ + 1); }
 
     // Of the last frame, in the scene's order; without names.
     std::vector<ObjectStats> objectStats() const;
@@ -65,7 +72,9 @@ private:
     Settings settings_;
     Targets targets_;
     GpuScene scene_;
+    ShadowPass shadow_;
     LitPool pool_;
+    DeformPass deform_;
     NeedPass need_;
     PlanPass plan_;
     LightPass light_;

@@ -127,6 +127,31 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
                      "light the scene by N point and spot lights around it in place of its own")
         ->check(CLI::Range(1u, shared::kMaxLights));
     addReplacements(command, a);
+    command
+        ->add_option(
+            "--environment", a.environment,
+            "surroundings that light the scene: none, sky, or a picture in latitude and longitude, .hdr "
+            "or .exr")
+        ->default_str("sky where the scene has no lights, else none");
+    command
+        ->add_option("--environment-intensity", a.settings.environmentIntensity,
+                     "multiplies the surroundings' radiance")
+        ->check(CLI::Range(0.0, 1e6))
+        ->capture_default_str();
+    command
+        ->add_option("--environment-rotation", a.settings.environmentRotation,
+                     "turns the surroundings about the vertical, in degrees")
+        ->check(CLI::Range(-360.0, 360.0))
+        ->capture_default_str();
+    command
+        ->add_option_function<std::string>(
+            "--shadows", [&a](const std::string& text) { a.settings.shadows = text == "on"; },
+            "shadows of sun and spot lights, the 8 strongest: on or off")
+        ->check(CLI::IsMember({"on", "off"}))
+        ->default_str("on");
+    command->add_option("--shadow-size", a.settings.shadowSize, "texels a side of each shadow map")
+        ->check(CLI::Range(64u, 8192u))
+        ->capture_default_str();
     command->add_option("--shading", a.settings.shading, "tsl, forward or reference")
         ->transform(CLI::CheckedTransformer(kShadings).description(""))
         ->default_str("tsl");

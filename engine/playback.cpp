@@ -1,26 +1,31 @@
 #include "playback.h"
 #include "core/error.h"
+#include "scene/environment.h"
 #include <fmt/format.h>
 
 namespace lumel {
 
 Playback::Playback(const scene::Scene& scene, const scene::Camera& start, const PathOptions& options)
-    : animation_(scene.animation), start_(start), options_(options), lights_(scene.lights),
+    : animation_(scene.animation), start_(start), options_(options), lights_(scene::lightsOf(scene)),
+      skins_(scene.skins), deformed_(scene.deformed),
       plays_(scene.animation.seconds > 0.0 && (options.seconds || options.path == scene::Path::animation))
 {
     if (options.path == scene::Path::animation && start.node < 0)
         throw Error(fmt::format("{}: camera '{}' is not animated; choose another --path or --camera",
                                 scene.file.string(), start.name));
-    if (lights_.empty())
-        lights_ = scene::threeLightRig();
     for (size_t i = 0; i < scene.objects.size(); ++i)
         if (scene.objects[i].node >= 0)
-            movingObjects_.emplace_back(i, scene.objects[i].node);
+            movingObjects_.push_back({i, scene.objects[i].node, scene.objects[i].nodeFromObject});
+}
+
+double Playback::secondsOf(int frame) const
+{
+    return options_.seconds.value_or(0.0) + options_.timeStep * frame;
 }
 
 scene::Pose Playback::poseOf(int frame) const
 {
-    return poseAt(animation_, options_.seconds.value_or(0.0) + options_.timeStep * frame);
+    return poseAt(animation_, secondsOf(frame));
 }
 
 scene::Camera Playback::camera(int frame) const
@@ -40,8 +45,10 @@ void Playback::apply(Renderer& renderer, int frame) const
     }
     const scene::Pose pose = poseOf(frame);
     renderer.setLights(moved(lights_, pose));
-    for (const auto& [object, node] : movingObjects_)
-        renderer.moveObject(object, pose[size_t(node)]);
+    for (const MovingObject& moving : movingObjects_)
+        renderer.moveObject(moving.object, pose[size_t(moving.node)] * moving.nodeFromObject);
+    if (!deformed_.empty())
+        renderer.bend(shapesAt(skins_, deformed_, animation_, secondsOf(frame)));
 }
 
 } // namespace lumel

@@ -29,13 +29,21 @@ public:
     void setLights(std::vector<scene::Light> lights) { lights_ = std::move(lights); }
 
 private:
+    double secondsOf(int frame) const;
     scene::Pose poseOf(int frame) const;
 
     scene::Animation animation_;
     scene::Camera start_;
     PathOptions options_;
     std::vector<scene::Light> lights_;
-    std::vector<std::pair<size_t, int>> movingObjects_; // object, node
+    struct MovingObject {
+        size_t object;
+        int node;
+        glm::mat4 nodeFromObject;
+    };
+    std::vector<MovingObject> movingObjects_;
+    std::vector<scene::Skin> skins_;
+    std::vector<scene::DeformedMesh> deformed_;
     bool plays_;
 };
 

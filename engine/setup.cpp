@@ -1,6 +1,7 @@
 #include "setup.h"
 #include "core/error.h"
 #include "passes/names.h"
+#include "scene/environment.h"
 #include "scene/view_camera.h"
 #include <charconv>
 #include <fmt/format.h>
@@ -70,7 +71,12 @@ RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, co
                             {"lumels-per-pixel", text(settings.lumelsPerPixel)},
                             {"refresh-share", text(settings.refreshShare)},
                             {"tolerance", text(settings.tolerance)},
-                            {"exposure", text(settings.exposure)}}};
+                            {"exposure", text(settings.exposure)},
+                            {"environment", arguments.environment.empty() ? "auto" : arguments.environment},
+                            {"environment-intensity", text(settings.environmentIntensity)},
+                            {"shadows", settings.shadows ? "on" : "off"},
+                            {"shadow-size", std::to_string(settings.shadowSize)},
+                            {"environment-rotation", text(settings.environmentRotation)}}};
     if (arguments.lights > 0)
         run.options["lights"] = std::to_string(arguments.lights);
     if (settings.budgetMs > 0.0)
@@ -105,6 +111,7 @@ void changeScene(const SceneArguments& arguments, scene::Scene& scene)
         scene.lights = scene::lightRing(arguments.lights, scene.bounds);
     if (!arguments.lightList.empty())
         scene.lights = arguments.lightList;
+    scene.environment = scene::chooseEnvironment(arguments.environment, scene);
     for (const auto& [name, file] : arguments.materialFiles) {
         std::string known;
         bool found = false;

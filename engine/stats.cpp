@@ -15,8 +15,8 @@ json orNull(std::optional<double> value)
 
 json frameJson(const FrameStats& f)
 {
-    json passes = {{"need", 0.0},  {"plan", 0.0}, {"light", 0.0},
-                   {"lower", 0.0}, {"draw", 0.0}, {"display", 0.0}};
+    json passes = {{"shadow", 0.0}, {"need", 0.0}, {"plan", 0.0},   {"light", 0.0},
+                   {"lower", 0.0},  {"draw", 0.0}, {"display", 0.0}};
     for (const auto& [name, ms] : f.passMs)
         passes[name] = ms;
     return {{"ms", f.ms},

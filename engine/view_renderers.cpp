@@ -16,7 +16,8 @@ bool sameSettings(const Settings& a, const Settings& b)
     const auto all = [](const Settings& s) {
         return std::tuple(s.view, s.shading, s.size, s.filter, s.anisotropy, s.msaa, s.exposure, s.toneMap,
                           s.poolBytes, s.levelOffset, s.lumelsPerPixel, s.lumelBudget, s.refreshShare,
-                          s.tolerance, s.budgetMs);
+                          s.tolerance, s.budgetMs, s.environmentIntensity, s.environmentRotation, s.shadows,
+                          s.shadowSize);
     };
     return all(a) == all(b);
 }
@@ -52,7 +53,8 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     slots_[0] = std::move(first);
     scene_ = loaded.scene;
     materials_ = {{loaded.options.method, loaded.materials}};
-    lights_.clear();
+    lights_.reset();
+    environment_.reset();
 }
 
 void ViewRenderers::restart(const ui::ViewState& state)
@@ -60,8 +62,14 @@ void ViewRenderers::restart(const ui::ViewState& state)
     const auto any = materials_.begin();
     scene::LoadedScene same{.scene = scene_, .materials = any->second, .options = {.method = any->first}};
     const auto kept = materials_;
+    const auto environment = environment_;
+    const auto lights = lights_;
     setScene(std::move(same), state);
     materials_ = kept;
+    if (environment)
+        setEnvironment(*environment);
+    if (lights)
+        setLights(*lights);
 }
 
 std::optional<baker::Method> ViewRenderers::missing(const ui::ViewState& state) const
@@ -79,8 +87,10 @@ void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Metho
         slot = {};
         slot.renderer = std::make_unique<Renderer>(device_, *scene_, *materials_.at(method), settings);
         slot.method = method;
-        if (!lights_.empty())
-            slot.renderer->setLights(lights_);
+        if (environment_)
+            slot.renderer->setEnvironment(*environment_);
+        if (lights_)
+            slot.renderer->setLights(*lights_);
     }
     if (!sameSettings(slot.renderer->settings(), settings) || !sameCamera(slot.camera, state.camera.camera()))
         slot.rendered = false;
@@ -108,7 +118,17 @@ void ViewRenderers::setLights(const std::vector<scene::Light>& lights)
     lights_ = lights;
     for (Slot& slot : slots_)
         if (slot.renderer) {
-            slot.renderer->setLights(lights_);
+            slot.renderer->setLights(lights);
+            slot.rendered = false;
+        }
+}
+
+void ViewRenderers::setEnvironment(std::shared_ptr<const scene::Environment> environment)
+{
+    environment_ = environment;
+    for (Slot& slot : slots_)
+        if (slot.renderer) {
+            slot.renderer->setEnvironment(environment);
             slot.rendered = false;
         }
 }

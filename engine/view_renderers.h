@@ -27,6 +27,8 @@ public:
 
     // For a scene whose own lights are back.
     void setLights(const std::vector<scene::Light>& lights);
+    // In place of the scene's.
+    void setEnvironment(std::shared_ptr<const scene::Environment> environment);
     // Per object: the lit texture of a side lit in texture space; lumels of level 0.
     std::vector<tsl::ObjectRoom> rooms(size_t side) const;
     std::vector<glm::uvec2> lumelGrids() const;
@@ -63,7 +65,9 @@ private:
     std::map<baker::Method, std::shared_ptr<const std::vector<scene::BakedMaterial>>> materials_;
     std::array<Slot, 3> slots_;
     std::array<bool, 2> isReference_{}; // what the sides show
-    std::vector<scene::Light> lights_;  // that the renderers have; empty = the scene's
+    // That the renderers have; nothing: the scene's.
+    std::optional<std::vector<scene::Light>> lights_;
+    std::optional<std::shared_ptr<const scene::Environment>> environment_;
     int measuredSamples_ = 0;
     bool finished_ = false;
 };

@@ -112,6 +112,7 @@ void Viewer::frame()
     window_->setPresentMode(state_.presentMode);
     finishLoading();
     act(layout);
+    changeEnvironment();
     loadMissing();
     if (glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) == 0) {
         state_.settings.size = pictureSize(layout);

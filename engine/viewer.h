@@ -52,6 +52,8 @@ private:
     void beginLoading(const std::filesystem::path& file);
     void finishLoading();
     void resetView();
+    void changeEnvironment();                      // to what the panels ask for
+    std::vector<scene::Light> usualLights() const; // of the scene, or of its surroundings
     scene::MaterialOptions bakeOptions(baker::Method method) const;
     void loadMissing();
 
@@ -70,6 +72,8 @@ private:
     ui::ViewReport report_;
     std::filesystem::path loadingFile_; // empty: materials of the scene that is shown
     std::pair<std::string, std::filesystem::path> pendingMaterial_; // name, baked file
+    std::shared_ptr<const scene::Environment> environment_;         // as shown
+    std::string environmentName_;
     int screenshots_ = 0;
     double lastFrame_ = 0.0; // seconds
     std::string title_;

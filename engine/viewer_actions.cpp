@@ -4,6 +4,7 @@
 #include "core/file.h"
 #include "core/image.h"
 #include "gpu/shader_reload.h"
+#include "scene/environment.h"
 #include "scene/light_text.h"
 #include "scene/pick.h"
 #include "setup.h"
@@ -69,9 +70,12 @@ void Viewer::open(const std::filesystem::path& file, glm::vec2 at, const ui::Lay
         beginLoading(file);
     else if (extension == ".exr")
         replaceMaterial(file, at, layout);
+    else if (extension == ".hdr")
+        state_.environment = file.string();
     else
-        throw Error(fmt::format("{}: drop a .gltf or .glb scene, or a baked .exr on a surface",
-                                file.filename().string()));
+        throw Error(
+            fmt::format("{}: drop a .gltf or .glb scene, a .hdr to light it, or a baked .exr on a surface",
+                        file.filename().string()));
 }
 
 void Viewer::replaceMaterial(const std::filesystem::path& file, glm::vec2 at, const ui::Layout& layout)
@@ -183,6 +187,8 @@ void Viewer::beginLoading(const std::filesystem::path& file)
         // Options that change a scene are about the one they came with.
         if (first)
             changeScene(arguments_, scene);
+        else
+            scene.environment = scene::chooseEnvironment("", scene);
     });
 }
 
@@ -206,6 +212,9 @@ void Viewer::finishLoading()
         report_.inspection = {};
         report_.rooms.clear();
         if (!other) {
+            renderers_->setEnvironment(environment_);
+            if (!state_.lightsEdited)
+                renderers_->setLights(state_.lights);
             arguments_.materialFiles.push_back(pendingMaterial_);
             say(fmt::format("{}: now the material '{}'", pendingMaterial_.second.filename().string(),
                             pendingMaterial_.first));
@@ -219,10 +228,16 @@ void Viewer::finishLoading()
             arguments_.target.reset();
             arguments_.lights = 0;
             arguments_.lightList.clear();
+            arguments_.environment.clear();
             arguments_.materialFiles.clear();
         }
         state_.lightsEdited = false;
         state_.selected.reset();
+        environment_ = renderers_->scene()->environment;
+        state_.environment = !arguments_.environment.empty() ? arguments_.environment
+                             : environment_                  ? "sky"
+                                                             : "none";
+        environmentName_ = state_.environment;
         resetView();
     } catch (const Error& e) {
         if (!renderers_->scene())
@@ -234,13 +249,38 @@ void Viewer::finishLoading()
     }
 }
 
+std::vector<scene::Light> Viewer::usualLights() const
+{
+    const scene::Scene& scene = *renderers_->scene();
+    return scene.lights.empty() ? scene::lightsOf(environment_.get()) : scene.lights;
+}
+
+void Viewer::changeEnvironment()
+{
+    if (!renderers_->scene() || state_.environment == environmentName_)
+        return;
+    try {
+        environment_ = scene::chooseEnvironment(state_.environment, *renderers_->scene());
+    } catch (const Error& e) {
+        state_.environment = environmentName_;
+        say(e.what(), true);
+        return;
+    }
+    environmentName_ = arguments_.environment = state_.environment;
+    renderers_->setEnvironment(environment_);
+    if (state_.lightsEdited)
+        return;
+    state_.lights = usualLights();
+    renderers_->setLights(state_.lights);
+}
+
 void Viewer::resetView()
 {
     const scene::Scene& scene = *renderers_->scene();
     arguments_.settings.size = state_.settings.size; // of the picture, which frames the scene
     const scene::Camera camera = chooseCamera(arguments_, scene);
     state_.camera.reset(camera, scene.bounds, arguments_.eye || arguments_.target || scene.cameras.empty());
-    state_.lights = scene.lights.empty() ? scene::threeLightRig() : scene.lights;
+    state_.lights = usualLights();
     if (std::exchange(state_.lightsEdited, false))
         renderers_->setLights(state_.lights);
 }

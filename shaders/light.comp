@@ -51,6 +51,12 @@ ShadingPoint pointOf(ObjectAt object, uint level, uvec2 lumel, uvec2 size, uint 
     vec3 tangent = w.x * a.tangent.xyz + w.y * b.tangent.xyz + w.z * c.tangent.xyz;
     MaterialPlace place = materialPlace(object, a, b, c, w, level, size, uv);
     MaterialTexel material = sampleMaterial(object, place.uv, place.level);
+    if (kColoured) {
+        vec3 colour = vec3(0.0);
+        for (uint corner = 0u; corner < 3u; ++corner)
+            colour += w[corner] * vertexColour(object, object.at.indices.at[3u * triangle - 3u + corner]).rgb;
+        material = tinted(object, material, max(colour, vec3(0.0))); // gutters extrapolate
+    }
     return shadingPoint(object, material, (object.at.worldFromObject * vec4(position, 1.0)).xyz,
                         object.at.worldFromObjectNormal * normal,
                         vec4(mat3(object.at.worldFromObject) * tangent, a.tangent.w));

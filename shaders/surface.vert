@@ -9,6 +9,7 @@ layout(location = 1) out vec3 normalInWorld;
 layout(location = 2) out vec4 tangentInWorld;
 layout(location = 3) out vec2 uv;
 layout(location = 4) out vec4 materialUv; // of the reflectance (xy) and of glow (zw)
+layout(location = 5) out vec4 tint;
 
 void main()
 {
@@ -20,5 +21,7 @@ void main()
     tangentInWorld = vec4(mat3(object.at.worldFromObject) * vertex.tangent.xyz, vertex.tangent.w);
     uv = vertex.uv;
     materialUv = vec4(vertex.materialUv, vertex.glowUv);
+    if (kColoured)
+        tint = vertexColour(object, gl_VertexIndex);
     gl_Position = view.clipFromWorld * world;
 }

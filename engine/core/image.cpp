@@ -31,7 +31,8 @@ OIIO::ImageSpec asStored()
     return config;
 }
 
-Image readOpened(OIIO::ImageInput& input, const std::string& name, size_t encodedBytes)
+Image readOpened(OIIO::ImageInput& input, const std::string& name, size_t encodedBytes,
+                 size_t mostPixels = kMaxImagePixels)
 {
     const OIIO::ImageSpec& spec = input.spec();
     if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1)
@@ -39,6 +40,9 @@ Image readOpened(OIIO::ImageInput& input, const std::string& name, size_t encode
     if (spec.nchannels > 64)
         throw Error(fmt::format("{}: {} channels, at most 64 are read; export fewer", name, spec.nchannels));
     checkImageSize(size_t(spec.width), size_t(spec.height), size_t(spec.nchannels), encodedBytes, name);
+    if (size_t(spec.width) * size_t(spec.height) > mostPixels)
+        throw Error(fmt::format("{}: {} x {} pixels are more than {}; scale it down", name, spec.width,
+                                spec.height, mostPixels));
     Image image(spec.width, spec.height, spec.nchannels);
     if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
         throw Error(
@@ -62,7 +66,7 @@ void checkImageSize(size_t width, size_t height, size_t channels, size_t encoded
                                 height, encodedBytes));
 }
 
-Image readImage(const std::filesystem::path& file)
+Image readImage(const std::filesystem::path& file, size_t mostPixels)
 {
     const std::string name = file.string();
     std::error_code code;
@@ -84,7 +88,7 @@ Image readImage(const std::filesystem::path& file)
         throw Error(fmt::format("{}: cannot be read as an image{}; use PNG, JPEG, TIFF or EXR", name,
                                 why.empty() ? "" : " (" + why + ")"));
     }
-    return readOpened(*input, name, size_t(std::filesystem::file_size(file, code)));
+    return readOpened(*input, name, size_t(std::filesystem::file_size(file, code)), mostPixels);
 }
 
 Image readImage(std::span<const std::byte> bytes, const std::string& name)

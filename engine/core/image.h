@@ -33,7 +33,7 @@ void checkImageSize(size_t width, size_t height, size_t channels, size_t encoded
 
 // Reads the first subimage. Integer formats map to [0, 1], floats stay as stored; no colour conversion.
 // Throws Error naming the file when it is missing, empty, not an image, truncated or too large.
-Image readImage(const std::filesystem::path& file);
+Image readImage(const std::filesystem::path& file, size_t mostPixels = kMaxImagePixels);
 // The same from memory (embedded glTF images); `name` is what messages call it.
 Image readImage(std::span<const std::byte> bytes, const std::string& name);
 

@@ -41,4 +41,16 @@ inline glm::mat4 reversedPerspective(float yFov, float aspect, float nearMetres)
     return m;
 }
 
+// A box of view space, which looks along -Z, to clip space: reversed depth and +Y down as above.
+inline glm::mat4 reversedOrthographic(glm::vec3 lower, glm::vec3 upper)
+{
+    const glm::vec3 size = upper - lower;
+    glm::mat4 m(1.0f);
+    m[0][0] = 2.0f / size.x;
+    m[1][1] = -2.0f / size.y;
+    m[2][2] = 1.0f / size.z;
+    m[3] = {-(lower.x + upper.x) / size.x, (lower.y + upper.y) / size.y, -lower.z / size.z, 1.0f};
+    return m;
+}
+
 } // namespace lumel

@@ -26,6 +26,9 @@ UseMasks masksOf(Use use)
         return {Stage::eComputeShader, Access::eShaderSampledRead, Layout::eShaderReadOnlyOptimal};
     case Use::fragmentSample:
         return {Stage::eFragmentShader, Access::eShaderSampledRead, Layout::eShaderReadOnlyOptimal};
+    case Use::shaderSample:
+        return {Stage::eComputeShader | Stage::eFragmentShader, Access::eShaderSampledRead,
+                Layout::eShaderReadOnlyOptimal};
     case Use::colorWrite:
         return {Stage::eColorAttachmentOutput, Access::eColorAttachmentRead | Access::eColorAttachmentWrite,
                 Layout::eColorAttachmentOptimal};

@@ -13,6 +13,7 @@ enum class Use {
     computeReadWrite,
     computeSample,  // sampled image
     fragmentSample, // sampled image
+    shaderSample,   // sampled image, by compute and fragment shaders
     colorWrite,
     depthWrite,
     hostRead,

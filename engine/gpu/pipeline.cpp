@@ -27,6 +27,20 @@ vk::raii::ShaderModule makeModule(const Device& device, const std::string& shade
     return {device.handle(), {.codeSize = code.size_bytes(), .pCode = code.data()}};
 }
 
+// Specialisation constants by their numbers; shaders without one of them do not mind. Not to be copied:
+// Vulkan's struct points into it.
+struct Constants {
+    Constants(uint32_t features, uint32_t filter) : values{features, filter} {}
+    Constants(const Constants&) = delete;
+    Constants& operator=(const Constants&) = delete;
+    uint32_t values[2];
+    vk::SpecializationMapEntry entries[2] = {
+        {.constantID = 0, .offset = 0, .size = sizeof(uint32_t)},
+        {.constantID = 1, .offset = sizeof(uint32_t), .size = sizeof(uint32_t)}};
+    vk::SpecializationInfo info{
+        .mapEntryCount = 2, .pMapEntries = entries, .dataSize = sizeof(values), .pData = values};
+};
+
 vk::raii::PipelineLayout makeLayout(const Device& device, const std::vector<vk::DescriptorSetLayout>& sets,
                                     uint32_t pushBytes)
 {
@@ -118,16 +132,20 @@ void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding,
 }
 
 Pipeline makeComputePipeline(const Device& device, const std::string& shader,
-                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes)
+                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
+                             uint32_t features)
 {
+    const Constants constants(features, 0);
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);
     const auto module = makeModule(device, shader);
-    pipeline.handle = vk::raii::Pipeline(
-        device.handle(), nullptr,
-        vk::ComputePipelineCreateInfo{
-            .stage = {.stage = vk::ShaderStageFlagBits::eCompute, .module = *module, .pName = "main"},
-            .layout = *pipeline.layout});
+    pipeline.handle =
+        vk::raii::Pipeline(device.handle(), nullptr,
+                           vk::ComputePipelineCreateInfo{.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
+                                                                   .module = *module,
+                                                                   .pName = "main",
+                                                                   .pSpecializationInfo = &constants.info},
+                                                         .layout = *pipeline.layout});
     device.name(pipeline.handle, shader);
     return pipeline;
 }
@@ -137,18 +155,18 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
     const auto vertex = makeModule(device, info.vertex);
-    const auto fragment = makeModule(device, info.fragment);
-    const vk::SpecializationMapEntry entry{.constantID = 0, .offset = 0, .size = sizeof(info.constant)};
-    const vk::SpecializationInfo constants{.mapEntryCount = 1,
-                                           .pMapEntries = &entry,
-                                           .dataSize = sizeof(info.constant),
-                                           .pData = &info.constant};
-    const vk::PipelineShaderStageCreateInfo stages[] = {
-        {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
-        {.stage = vk::ShaderStageFlagBits::eFragment,
-         .module = *fragment,
-         .pName = "main",
-         .pSpecializationInfo = &constants}};
+    vk::raii::ShaderModule fragment = nullptr;
+    if (!info.fragment.empty())
+        fragment = makeModule(device, info.fragment);
+    const Constants constants(info.features, info.filter);
+    const vk::PipelineShaderStageCreateInfo stages[] = {{.stage = vk::ShaderStageFlagBits::eVertex,
+                                                         .module = *vertex,
+                                                         .pName = "main",
+                                                         .pSpecializationInfo = &constants.info},
+                                                        {.stage = vk::ShaderStageFlagBits::eFragment,
+                                                         .module = *fragment,
+                                                         .pName = "main",
+                                                         .pSpecializationInfo = &constants.info}};
     const vk::PipelineVertexInputStateCreateInfo noInput;
     const vk::PipelineInputAssemblyStateCreateInfo triangles{.topology =
                                                                  vk::PrimitiveTopology::eTriangleList};
@@ -156,10 +174,12 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill,
                                                           .lineWidth = 1.0f};
     const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = info.samples};
-    const vk::PipelineDepthStencilStateCreateInfo depth{
-        .depthTestEnable = VK_TRUE,
-        .depthWriteEnable = !info.blend,
-        .depthCompareOp = info.blend ? vk::CompareOp::eGreaterOrEqual : vk::CompareOp::eGreater};
+    const vk::PipelineDepthStencilStateCreateInfo depth{.depthTestEnable = VK_TRUE,
+                                                        .depthWriteEnable = !info.blend && !info.background,
+                                                        .depthCompareOp = info.blend || info.background
+                                                                              ? vk::CompareOp::eGreaterOrEqual
+                                                                              : vk::CompareOp::eGreater};
+    const uint32_t colours = info.color == vk::Format::eUndefined ? 0 : 1;
     using Factor = vk::BlendFactor;
     using Component = vk::ColorComponentFlagBits;
     const vk::PipelineColorBlendAttachmentState attachment{.blendEnable = info.blend,
@@ -169,27 +189,29 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
                                                            .dstAlphaBlendFactor = Factor::eOneMinusSrcAlpha,
                                                            .colorWriteMask = Component::eR | Component::eG |
                                                                              Component::eB | Component::eA};
-    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = 1, .pAttachments = &attachment};
+    const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = colours,
+                                                      .pAttachments = &attachment};
     const vk::DynamicState dynamicStates[] = {vk::DynamicState::eViewport, vk::DynamicState::eScissor,
                                               vk::DynamicState::eCullMode, vk::DynamicState::eFrontFace};
     const auto dynamic = vk::PipelineDynamicStateCreateInfo{}.setDynamicStates(dynamicStates);
-    const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = 1,
+    const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = colours,
                                                     .pColorAttachmentFormats = &info.color,
                                                     .depthAttachmentFormat = vk::Format::eD32Sfloat};
-    pipeline.handle = vk::raii::Pipeline(device.handle(), nullptr,
-                                         vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
-                                                                        .stageCount = 2,
-                                                                        .pStages = stages,
-                                                                        .pVertexInputState = &noInput,
-                                                                        .pInputAssemblyState = &triangles,
-                                                                        .pViewportState = &viewport,
-                                                                        .pRasterizationState = &raster,
-                                                                        .pMultisampleState = &multisample,
-                                                                        .pDepthStencilState = &depth,
-                                                                        .pColorBlendState = &blend,
-                                                                        .pDynamicState = &dynamic,
-                                                                        .layout = *pipeline.layout});
-    device.name(pipeline.handle, info.fragment);
+    pipeline.handle =
+        vk::raii::Pipeline(device.handle(), nullptr,
+                           vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
+                                                          .stageCount = info.fragment.empty() ? 1u : 2u,
+                                                          .pStages = stages,
+                                                          .pVertexInputState = &noInput,
+                                                          .pInputAssemblyState = &triangles,
+                                                          .pViewportState = &viewport,
+                                                          .pRasterizationState = &raster,
+                                                          .pMultisampleState = &multisample,
+                                                          .pDepthStencilState = &depth,
+                                                          .pColorBlendState = &blend,
+                                                          .pDynamicState = &dynamic,
+                                                          .layout = *pipeline.layout});
+    device.name(pipeline.handle, info.fragment.empty() ? info.vertex : info.fragment);
     return pipeline;
 }
 

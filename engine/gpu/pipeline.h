@@ -27,19 +27,23 @@ struct Pipeline {
 };
 
 Pipeline makeComputePipeline(const Device& device, const std::string& shader,
-                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes);
+                             const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
+                             uint32_t features = 0);
 
 struct GraphicsInfo {
-    std::string vertex, fragment;
+    std::string vertex, fragment{}; // without a fragment shader: depth alone
     std::vector<vk::DescriptorSetLayout> sets{};
     uint32_t pushBytes = 0;
-    vk::Format color = vk::Format::eR16G16B16A16Sfloat;
+    vk::Format color = vk::Format::eR16G16B16A16Sfloat; // eUndefined: none
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
-    uint32_t constant = 0; // the fragment shader's specialisation constant 0, if it has one
-    bool blend = false;    // over, straight alpha; equal depth passes, none is written
+    // Specialisation constants of both shaders, where they have them.
+    uint32_t features = 0;   // kFeature...
+    uint32_t filter = 0;     // kFilter...
+    bool blend = false;      // over, straight alpha; equal depth passes, none is written
+    bool background = false; // at infinity, where nothing else is drawn
 };
-// Indexed triangle list without vertex input (shaders pull vertices), reversed depth in D32, dynamic viewport, scissor, cull
-// mode and front face.
+// Indexed triangle list without vertex input (shaders pull vertices), reversed depth in D32, dynamic
+// viewport, scissor, cull mode and front face.
 Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info);
 
 } // namespace lumel::gpu

@@ -70,6 +70,14 @@ Image::Image(const Device& device, const ImageInfo& info, const std::string& nam
     view_ = vk::raii::ImageView(device.handle(), view);
 }
 
+vk::raii::ImageView Image::layerView(const Device& device, uint32_t layer) const
+{
+    return {device.handle(), vk::ImageViewCreateInfo{.image = *image_,
+                                                     .viewType = vk::ImageViewType::e2D,
+                                                     .format = info_.format,
+                                                     .subresourceRange = {aspect(), 0, 1, layer, 1}}};
+}
+
 Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
                       const std::vector<std::vector<uint16_t>>& levels, const std::string& name)
 {

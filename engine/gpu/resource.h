@@ -56,6 +56,7 @@ public:
 
     vk::Image handle() const { return *image_; }
     vk::ImageView view() const { return *view_; }
+    vk::raii::ImageView layerView(const Device& device, uint32_t layer) const; // to render to
     const ImageInfo& info() const { return info_; }
     vk::Extent2D extent() const { return {info_.width, info_.height}; }
     vk::ImageAspectFlags aspect() const;

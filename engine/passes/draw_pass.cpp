@@ -3,11 +3,13 @@
 
 namespace lumel {
 
-const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind)
+const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind, bool coloured)
 {
     const bool multisampling = bool(frame.targets.multisampled);
-    const DrawFilter filter = kind == Kind::lit ? frame.settings.filter : DrawFilter{};
-    gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, filter}];
+    const bool shades = kind == Kind::forward || kind == Kind::blended;
+    const uint32_t features = shades ? frame.scene.features(coloured) : 0u;
+    const uint32_t filter = kind == Kind::lit ? uint32_t(frame.settings.filter) : 0u;
+    gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, features, filter}];
     if (*pipeline.handle)
         return pipeline;
     gpu::GraphicsInfo info{.vertex = "surface.vert",
@@ -16,12 +18,19 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
                            .pushBytes = sizeof(shared::ForwardPush),
                            .samples =
                                multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1,
-                           .constant = uint32_t(filter),
+                           .features = features,
+                           .filter = filter,
                            .blend = kind == Kind::blended};
     if (kind == Kind::lit) {
         info.fragment = "draw.frag";
         info.sets = {*frame.scene.frameLayout(), *pool.layout()};
         info.pushBytes = sizeof(shared::LitPush);
+    } else if (kind == Kind::background) {
+        info.vertex = "background.vert";
+        info.fragment = "background.frag";
+        info.sets = {*frame.scene.frameLayout()};
+        info.pushBytes = 0;
+        info.background = true;
     } else if (kind == Kind::view) {
         info.fragment = "view.frag";
         info.pushBytes = sizeof(shared::ViewPush);
@@ -63,7 +72,7 @@ void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, flo
     const vk::CommandBuffer commands = frame.commands;
     const GpuObject& o = frame.scene.objects()[object];
     const gpu::Pipeline& forward =
-        pipeline(frame, pool, o.blend || opacity < 1.0f ? Kind::blended : Kind::forward);
+        pipeline(frame, pool, o.blend || opacity < 1.0f ? Kind::blended : Kind::forward, o.coloured);
     bindSets(frame, vk::PipelineBindPoint::eGraphics, forward, {*o.material->set});
     shared::ForwardPush push{.draw = {.object = uint32_t(object),
                                       .opacity = opacity,
@@ -73,6 +82,14 @@ void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, flo
     std::ranges::copy(frame.scene.lightsReaching(object), push.lights);
     pushConstants(commands, forward, push);
     frame.scene.drawTriangles(commands, object);
+}
+
+void DrawPass::drawBackground(Frame& frame, const LitPool& pool)
+{
+    bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline(frame, pool, Kind::background));
+    frame.commands.setCullMode(vk::CullModeFlagBits::eNone);
+    frame.commands.setFrontFace(vk::FrontFace::eCounterClockwise);
+    frame.commands.draw(3, 1, 0, 0);
 }
 
 void DrawPass::drawView(Frame& frame, const LitPool& pool, size_t object)
@@ -193,6 +210,8 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
             drawForward(frame, pool, i, 1.0f);
         }
     }
+    if ((frame.scene.features() & shared::kFeatureEnvironment) && frame.settings.view == View::none)
+        drawBackground(frame, pool); // where no depth is
     for (const size_t object : fading)
         drawForward(frame, pool, object, 1.0f - rooms[object].share);
     std::sort(blended.begin(), blended.end(), [](const auto& a, const auto& b) { return a.first > b.first; });

@@ -10,15 +10,17 @@ public:
     void record(Frame& frame, const LitPool& pool);
 
 private:
-    enum class Kind { lit, forward, blended, view, pool };
+    enum class Kind { lit, forward, blended, background, view, pool };
     // Made when first needed and kept: settings change back and forth.
-    const gpu::Pipeline& pipeline(const Frame& frame, const LitPool& pool, Kind kind);
+    const gpu::Pipeline& pipeline(const Frame& frame, const LitPool& pool, Kind kind, bool coloured = false);
     void drawLit(Frame& frame, const LitPool& pool, size_t object);
     // opacity < 1: over what is there.
     void drawForward(Frame& frame, const LitPool& pool, size_t object, float opacity);
+    void drawBackground(Frame& frame, const LitPool& pool);
     void drawView(Frame& frame, const LitPool& pool, size_t object);
-    void drawPool(Frame& frame, const LitPool& pool);                       // every texture, side by side
-    std::map<std::tuple<Kind, bool, DrawFilter>, gpu::Pipeline> pipelines_; // by multisampling and filter
+    void drawPool(Frame& frame, const LitPool& pool); // every texture, side by side
+    // By multisampling, features and filter.
+    std::map<std::tuple<Kind, bool, uint32_t, uint32_t>, gpu::Pipeline> pipelines_;
 };
 
 } // namespace lumel

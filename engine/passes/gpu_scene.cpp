@@ -2,8 +2,11 @@
 #include "core/error.h"
 #include "core/image.h"
 #include "lit_pool.h"
+#include "scene/environment.h"
+#include "scene/material_maps.h"
 #include "shared/shading.h"
 #include <fmt/format.h>
+#include <glm/gtc/packing.hpp>
 #include <tbb/parallel_for.h>
 
 namespace lumel {
@@ -74,6 +77,26 @@ float glowLevelOffset(const scene::Mesh& mesh)
     return glow > 0.0 && own > 0.0 ? float(0.5 * std::log2(glow / own)) : 0.0f;
 }
 
+gpu::Buffer uploadColours(const gpu::Device& device, const scene::Mesh& mesh)
+{
+    if (mesh.colours.empty())
+        return {};
+    std::vector<glm::uvec2> packed;
+    for (const glm::vec4& c : mesh.colours)
+        packed.emplace_back(glm::packHalf2x16({c.r, c.g}), glm::packHalf2x16({c.b, c.a}));
+    return gpu::uploadBuffer(device, packed, mesh.name + " colours");
+}
+
+// What is not metal reflects this much whatever its base colour is; that of a specular-glossiness material
+// has no say in reflectance at all: -1.
+float dielectricReflectance(const scene::Material& material)
+{
+    if (material.specularGlossiness)
+        return -1.0f;
+    const float ratio = (material.ior - 1.0f) / (material.ior + 1.0f); // KHR_materials_ior; 0 gives 1
+    return ratio * ratio * material.specular;
+}
+
 shared::Light packLight(const scene::Light& light)
 {
     shared::Light packed{};
@@ -94,9 +117,10 @@ shared::Light packLight(const scene::Light& light)
 GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
                    const std::vector<scene::BakedMaterial>& materials)
     : frameLayout_(gpu::makeSetLayout(
-          device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer})),
+          device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer,
+                   vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eCombinedImageSampler})),
       materialLayout_(gpu::makeSetLayout(
-          device, std::vector<vk::DescriptorType>(5, vk::DescriptorType::eCombinedImageSampler)))
+          device, std::vector<vk::DescriptorType>(6, vk::DescriptorType::eCombinedImageSampler)))
 {
     for (const auto v : kAddressModes)
         for (const auto u : kAddressModes)
@@ -109,12 +133,18 @@ GpuScene::GpuScene(const gpu::Device& device, const scene::Scene& scene,
                                                          .maxLod = VK_LOD_CLAMP_NONE});
     for (const scene::Mesh& mesh : scene.meshes)
         meshes_.push_back({gpu::uploadBuffer(device, mesh.vertices, mesh.name + " vertices"),
-                           gpu::uploadBuffer(device, mesh.indices, mesh.name + " indices")});
+                           gpu::uploadBuffer(device, mesh.indices, mesh.name + " indices"),
+                           uploadColours(device, mesh)});
+    std::vector<vk::DeviceAddress> restVertices;
+    for (const GpuMesh& mesh : meshes_)
+        restVertices.push_back(mesh.vertices.address());
+    deformed_ = DeformedMeshes(device, scene, restVertices);
     materials_.reserve(materials.size()); // sets point into it
     for (size_t i = 0; i < materials.size(); ++i)
         uploadMaterial(device, materials[i], scene.materials[i]);
     makeFrameSet(device);
-    lightScene(scene);
+    setEnvironment(device, scene.environment, 0);
+    setLights(scene::lightsOf(scene), 0);
     for (const scene::Object& object : scene.objects)
         addObject(device, scene, object);
     objectTable_ =
@@ -138,10 +168,11 @@ void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMater
     material.diffuse = upload({kKdR, kKdG, kKdB, kError}, " diffuse");
     material.glow = uploadChain(device, baked.glow, name + " glow");
     material.opacity = uploadChain(device, baked.opacity, name + " opacity");
+    material.albedo = uploadChain(device, scene::meanSpecular(mips), name + " albedo");
     material.set = gpu::makeSet(device, materialLayout_);
     uint32_t binding = 0;
-    for (const gpu::Image* image :
-         {&material.normal, &material.specular, &material.diffuse, &material.glow, &material.opacity})
+    for (const gpu::Image* image : {&material.normal, &material.specular, &material.diffuse, &material.glow,
+                                    &material.opacity, &material.albedo})
         gpu::writeSampled(device, *material.set, binding++,
                           samplerOf(image == &material.glow ? source.glowUv : source.uv), image->view());
     materials_.push_back(std::move(material));
@@ -157,10 +188,55 @@ void GpuScene::makeFrameSet(const gpu::Device& device)
     gpu::writeUniform(device, *frameSet_, 1, lights_.handle());
 }
 
-void GpuScene::lightScene(const scene::Scene& scene)
+void GpuScene::touchAll(uint32_t frame)
 {
-    const auto source = scene.lights.empty() ? scene::threeLightRig() : scene.lights;
-    setLights(source, 0);
+    changed_ = frame;
+    for (GpuObject& object : objects_)
+        object.data.changed = frame;
+}
+
+void GpuScene::setEnvironment(const gpu::Device& device,
+                              std::shared_ptr<const scene::Environment> environment, uint32_t frame)
+{
+    environment_ = std::move(environment);
+    const std::vector<Image> black = {Image(1, 1, 3)};
+    environmentMap_ = uploadChain(device, environment_ ? environment_->levels : black, "environment");
+    gpu::writeSampled(device, *frameSet_, 2, *samplers_.back(), environmentMap_.view()); // clamped
+    const shared::EnvironmentView before = std::exchange(environmentView_, {});
+    adjustEnvironment(before.intensity, glm::degrees(std::atan2(before.turn.y, before.turn.x)), frame);
+    touchAll(frame);
+}
+
+void GpuScene::adjustEnvironment(float intensity, float degrees, uint32_t frame)
+{
+    shared::EnvironmentView view{.diffuse = {},
+                                 .intensity = intensity,
+                                 .turn = {std::cos(glm::radians(degrees)), std::sin(glm::radians(degrees))}};
+    for (size_t i = 0; environment_ && i < environment_->diffuse.size(); ++i)
+        view.diffuse[i] = environment_->diffuse[i] * intensity;
+    if (std::memcmp(&view, &environmentView_, sizeof(view)) == 0)
+        return;
+    environmentView_ = view;
+    touchAll(frame);
+}
+
+void GpuScene::bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps)
+{
+    gpu::writeSampled(device, *frameSet_, 3, sampler, maps);
+}
+
+void GpuScene::setShadows(const std::vector<shared::Shadow>& shadows, uint32_t frame)
+{
+    // A light that got or lost its map is another for all that it reaches.
+    const auto touchMissing = [&](const auto& from, const auto& in) {
+        for (const shared::Shadow& shadow : from)
+            if (shadow.light < lightCount_ &&
+                std::ranges::none_of(in, [&](const auto& s) { return s.light == shadow.light; }))
+                touchLight(shadow.light, frame);
+    };
+    touchMissing(shadows_, shadows);
+    touchMissing(shadows, shadows_);
+    shadows_ = shadows;
 }
 
 // A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the
@@ -176,8 +252,7 @@ void GpuScene::setSky(const std::vector<scene::Light>& lights, uint32_t frame)
         return;
     sky_ = sky;
     ground_ = sky_ / 3.0f;
-    for (GpuObject& object : objects_) // all are lit by it
-        object.data.changed = changed_ = frame;
+    touchAll(frame);
 }
 
 void GpuScene::setLights(const std::vector<scene::Light>& lights, uint32_t frame)
@@ -207,7 +282,27 @@ void GpuScene::moveObject(size_t object, const glm::mat4& worldFromObject, uint3
     data.worldFromObject = worldFromObject;
     data.worldFromObjectNormal = glm::transpose(glm::inverse(glm::mat3(worldFromObject)));
     data.changed = changed_ = frame;
-    objects_[object].mirrored = glm::determinant(glm::mat3(worldFromObject)) < 0.0f;
+    takeShape(objects_[object]);
+}
+
+void GpuScene::bend(const scene::Shapes& shapes, uint32_t frame)
+{
+    const std::vector<uint8_t> moved = deformed_.set(shapes);
+    for (GpuObject& object : objects_)
+        if (object.deformed >= 0 && moved[size_t(object.deformed)]) {
+            takeShape(object);
+            object.data.changed = changed_ = frame;
+        }
+}
+
+void GpuScene::takeShape(GpuObject& object) const
+{
+    object.mirrored = glm::determinant(glm::mat3(object.data.worldFromObject)) < 0.0f;
+    if (object.deformed < 0)
+        return;
+    const DeformedMeshes::Item& item = deformed_.items()[size_t(object.deformed)];
+    object.bounds = item.bounds;
+    object.mirrored = object.mirrored != item.mirrored;
 }
 
 const GpuTexelMap* GpuScene::texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
@@ -234,18 +329,28 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     result.indices = meshes_[size_t(object.mesh)].indices.handle();
     result.indexCount = uint32_t(mesh.indices.size());
     result.bounds = mesh.bounds;
+    result.deformed = object.deformed;
+    result.coloured = !mesh.colours.empty();
     result.blend = material.alphaMode == scene::AlphaMode::blend;
+    // What glows all over stands for a light, and would shade it.
+    const bool glows = material.unlit || (material.emissive != glm::vec3(0.0f) && material.emissiveImage < 0);
+    result.casts = !result.blend && !glows;
 
     shared::Object& data = result.data;
     data = {};
-    data.vertices = meshes_[size_t(object.mesh)].vertices.address();
+    data.vertices = object.deformed >= 0 ? deformed_.items()[size_t(object.deformed)].vertices.address()
+                                         : meshes_[size_t(object.mesh)].vertices.address();
     data.indices = meshes_[size_t(object.mesh)].indices.address();
+    data.colours = meshes_[size_t(object.mesh)].colours.address();
+    data.dielectric = dielectricReflectance(material);
     const bool same = readsMaterialAtLitUvs(mesh);
     const int width = int(gpuMaterial.size.x), height = int(gpuMaterial.size.y);
     data.litSize = same ? tsl::lumelGrid(width, height) : tsl::lumelGrid(mesh, width, height);
     data.materialLevelOffset = std::log2(float(gpuMaterial.size.x) / float(data.litSize.x));
     data.glowLevelOffset = same ? 0.0f : glowLevelOffset(mesh);
     data.flags = material.doubleSided ? shared::kObjectDoubleSided : 0u;
+    if (material.unlit)
+        data.flags |= shared::kObjectUnlit;
     if (!same)
         data.flags |= shared::kObjectOwnMaterialUv;
     data.alphaCutoff = material.alphaCutoff;
@@ -259,6 +364,7 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
             data.texelOffsets[i] = result.texelMap->map.offsets[i];
     }
     objects_.push_back(result);
+    takeShape(objects_.back());
     moveObject(objects_.size() - 1, object.worldFromObject, 0);
 }
 

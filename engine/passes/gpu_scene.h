@@ -1,5 +1,6 @@
 // A scene on the GPU: meshes, texel maps, material maps, lights, and the object table of each frame.
 #pragma once
+#include "deformed_meshes.h"
 #include "gpu/pipeline.h"
 #include "gpu/resource.h"
 #include "scene/materials.h"
@@ -23,6 +24,7 @@ struct GpuTexelMap {
 
 struct GpuMaterial {
     gpu::Image normal, specular, diffuse, glow, opacity;
+    gpu::Image albedo; // mean Ks
     vk::raii::DescriptorSet set = nullptr;
     glm::uvec2 size{1};
 };
@@ -33,8 +35,11 @@ struct GpuObject {
     const GpuTexelMap* texelMap = nullptr; // null: not to be lit in texture space
     vk::Buffer indices;
     uint32_t indexCount = 0;
-    Bounds bounds; // object space
+    Bounds bounds;     // object space
+    int deformed = -1; // in GpuScene::deformedMeshes()
     bool blend = false;
+    bool coloured = false; // its vertices have colours
+    bool casts = true;     // a shadow
     bool mirrored = false; // the transform flips triangle winding
 };
 
@@ -57,6 +62,31 @@ public:
     // Lights as of `frame`: what a light that changed reaches is lit again. Throws Error beyond kMaxLights.
     void setLights(const std::vector<scene::Light>& lights, uint32_t frame);
     void moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame);
+    // The shapes of all that bends. What has changed is lit again.
+    void bend(const scene::Shapes& shapes, uint32_t frame);
+    DeformedMeshes& deformedMeshes() { return deformed_; }
+    const DeformedMeshes& deformedMeshes() const { return deformed_; }
+    // Null: none. Call when no frame is in flight; all objects are lit again.
+    void setEnvironment(const gpu::Device& device, std::shared_ptr<const scene::Environment> environment,
+                        uint32_t frame);
+    // What the environment's picture is multiplied by, and turned by about +Y, in degrees.
+    void adjustEnvironment(float intensity, float degrees, uint32_t frame);
+    const shared::EnvironmentView& environment() const { return environmentView_; }
+    // kFeature... of shaders that light its objects, or those of them that have vertex colours.
+    uint32_t features(bool coloured = false) const
+    {
+        return (environment_ ? shared::kFeatureEnvironment : 0u) |
+               (shadows_.empty() ? 0u : shared::kFeatureShadows) | (coloured ? shared::kFeatureColoured : 0u);
+    }
+    // Of ShadowPass.
+    void bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps);
+    void setShadows(const std::vector<shared::Shadow>& shadows, uint32_t frame);
+    const std::vector<shared::Shadow>& shadows() const { return shadows_; }
+    std::span<const shared::Light> lights() const { return {lights_.mapped<shared::Light>(), lightCount_}; }
+    void touchLight(uint32_t light, uint32_t frame)
+    {
+        lights_.mapped<shared::Light>()[light].changed = changed_ = frame;
+    }
     uint32_t changed() const { return changed_; } // frame of the last change to lights or objects
     uint32_t lightCount() const { return lightCount_; }
     glm::vec3 skyRadiance() const { return sky_; }
@@ -79,7 +109,7 @@ public:
 
 private:
     struct GpuMesh {
-        gpu::Buffer vertices, indices;
+        gpu::Buffer vertices, indices, colours;
     };
     void uploadMaterial(const gpu::Device& device, const scene::BakedMaterial& baked,
                         const scene::Material& material);
@@ -88,20 +118,26 @@ private:
         return *samplers_[size_t(uv.wrapU) + 3 * size_t(uv.wrapV)];
     }
     void makeFrameSet(const gpu::Device& device);
-    void lightScene(const scene::Scene& scene);
     void setSky(const std::vector<scene::Light>& lights, uint32_t frame);
+    void touchAll(uint32_t frame);
     void addObject(const gpu::Device& device, const scene::Scene& scene, const scene::Object& object);
     const GpuTexelMap* texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
                                    glm::uvec2 grid);
+    void takeShape(GpuObject& object) const;
 
     gpu::SetLayout frameLayout_, materialLayout_;
     vk::raii::DescriptorSet frameSet_ = nullptr;
     std::vector<vk::raii::Sampler> samplers_; // by wrapU + 3 wrapV
     std::vector<GpuMesh> meshes_;
+    DeformedMeshes deformed_;
     std::vector<GpuMaterial> materials_;
     std::map<std::tuple<int, uint32_t, uint32_t>, std::unique_ptr<GpuTexelMap>> texelMaps_;
     std::vector<GpuObject> objects_;
     gpu::Buffer view_, lights_, objectTable_;
+    std::shared_ptr<const scene::Environment> environment_;
+    gpu::Image environmentMap_;
+    shared::EnvironmentView environmentView_{};
+    std::vector<shared::Shadow> shadows_;
     uint32_t changed_ = 0;
     uint32_t lightCount_ = 0;
     glm::vec3 sky_{0.0f}, ground_{0.0f};

@@ -3,12 +3,21 @@
 namespace lumel {
 
 LightPass::LightPass(const gpu::Device& device, const GpuScene& scene, const LitPool& pool)
-    : light_(gpu::makeComputePipeline(device, "light.comp",
-                                      {*scene.frameLayout(), *scene.materialLayout(), *pool.layout()},
-                                      sizeof(shared::LightPush))),
-      lower_(gpu::makeComputePipeline(device, "lower.comp", {*scene.frameLayout(), *pool.layout()},
+    : lower_(gpu::makeComputePipeline(device, "lower.comp", {*scene.frameLayout(), *pool.layout()},
                                       sizeof(shared::LightPush)))
 {
+}
+
+const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool& pool, bool coloured)
+{
+    const uint32_t features = frame.scene.features(coloured);
+    gpu::Pipeline& pipeline = light_[features];
+    if (!*pipeline.handle)
+        pipeline = gpu::makeComputePipeline(
+            frame.device, "light.comp",
+            {*frame.scene.frameLayout(), *frame.scene.materialLayout(), *pool.layout()},
+            sizeof(shared::LightPush), features);
+    return pipeline;
 }
 
 void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan)
@@ -17,9 +26,10 @@ void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& p
     const vk::CommandBuffer commands = frame.commands;
     for (uint32_t i = 0; i < plan.lightJobs().size(); ++i) {
         const PlanPass::LightJob& job = plan.lightJobs()[i];
-        bindSets(frame, vk::PipelineBindPoint::eCompute, light_,
+        const gpu::Pipeline& light = lightPipeline(frame, pool, job.coloured);
+        bindSets(frame, vk::PipelineBindPoint::eCompute, light,
                  {*job.material->set, *pool.blocks()[size_t(job.block)].set});
-        pushConstants(commands, light_, plan.push(i));
+        pushConstants(commands, light, plan.push(i));
         commands.dispatchIndirect(plan.jobBuffer(), i * sizeof(shared::Job));
     }
     gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::computeReadWrite);

@@ -12,7 +12,11 @@ public:
     void recordLower(Frame& frame, const LitPool& pool, const PlanPass& plan);
 
 private:
-    gpu::Pipeline light_, lower_;
+    // Made when first needed and kept.
+    const gpu::Pipeline& lightPipeline(const Frame& frame, const LitPool& pool, bool coloured);
+
+    std::map<uint32_t, gpu::Pipeline> light_; // by features
+    gpu::Pipeline lower_;
 };
 
 } // namespace lumel

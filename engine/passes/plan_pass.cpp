@@ -35,11 +35,12 @@ PlanPass::PlanPass(const gpu::Device& device, const GpuScene& scene, const NeedP
 {
 }
 
-uint32_t PlanPass::lightJobOf(const GpuMaterial* material, int block)
+uint32_t PlanPass::lightJobOf(const GpuObject& object, int block)
 {
-    const auto [entry, isNew] = lightJobIndex_.try_emplace({material, block}, uint32_t(lightJobs_.size()));
+    const auto [entry, isNew] =
+        lightJobIndex_.try_emplace({object.material, object.coloured, block}, uint32_t(lightJobs_.size()));
     if (isNew)
-        lightJobs_.push_back({material, block});
+        lightJobs_.push_back({object.material, object.coloured, block});
     return entry->second;
 }
 
@@ -68,7 +69,7 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
         if (!rooms[i].texture)
             continue;
         const tsl::TextureLayout& layout = pool.block(rooms[i].texture).layout;
-        jobs[i].light = lightJobOf(objects[i].material, rooms[i].texture.block);
+        jobs[i].light = lightJobOf(objects[i], rooms[i].texture.block);
         jobs[i].lower = lowerJobOf(rooms[i].texture.block, layout.mips);
         lightJobs_[jobs[i].light].capacity += layout.tiles;
         for (uint32_t mip = 1; mip < layout.mips; ++mip) {

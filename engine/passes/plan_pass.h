@@ -8,8 +8,9 @@ namespace lumel {
 class PlanPass {
 public:
     // One indirect dispatch over a list of tiles.
-    struct LightJob { // tiles of one material in one block
+    struct LightJob { // tiles of one material in one block, with or without vertex colours
         const GpuMaterial* material;
+        bool coloured;
         int block;
         uint32_t first = 0, capacity = 0; // in the tile list
     };
@@ -36,14 +37,14 @@ public:
     vk::Buffer jobBuffer() const { return jobs_.handle(); }
 
 private:
-    uint32_t lightJobOf(const GpuMaterial* material, int block);
+    uint32_t lightJobOf(const GpuObject& object, int block);
     uint32_t lowerJobOf(int block, uint32_t mips);
 
     gpu::Pipeline mark_, classify_, budget_, select_;
     gpu::Buffer plan_, readback_, upload_, jobs_, marks_, tiles_;
     std::vector<LightJob> lightJobs_;
     std::vector<LowerJobs> lowerJobs_;
-    std::map<std::pair<const GpuMaterial*, int>, uint32_t> lightJobIndex_;
+    std::map<std::tuple<const GpuMaterial*, bool, int>, uint32_t> lightJobIndex_;
     std::map<int, uint32_t> lowerJobIndex_; // into lowerJobs_
     uint32_t jobCount_ = 0;
 };

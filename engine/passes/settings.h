@@ -36,6 +36,10 @@ struct Settings {
     float anisotropy = 8.0f; // most taps along a footprint's long axis when drawing lit textures
     int msaa = 4;            // coverage samples of tsl and forward: 1 or 4
     int samples = 64;        // reference: shifted frames per picture
+    bool shadows = true;
+    uint32_t shadowSize = 2048; // texels a side of each map
+    float environmentIntensity = 1.0f;
+    float environmentRotation = 0.0f; // degrees about +Y
     float exposure = 1.0f;
     ToneMap toneMap = ToneMap::neutral;
     size_t poolBytes = size_t(256) << 20;

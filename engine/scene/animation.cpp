@@ -12,9 +12,8 @@ struct Span {
     float share = 0.0f, seconds = 0.0f;
 };
 
-Span spanAt(const Track& track, double seconds)
+Span spanAt(const std::vector<float>& keys, double seconds)
 {
-    const auto& keys = track.seconds;
     const auto next = std::upper_bound(keys.begin(), keys.end(), float(seconds));
     if (next == keys.begin())
         return {};
@@ -25,16 +24,21 @@ Span spanAt(const Track& track, double seconds)
     return {after - 1, after, float((seconds - keys[after - 1]) / length), length};
 }
 
-// glTF 2.0, appendix C.5 "Cubic Spline Interpolation": Hermite, tangents a second.
-glm::vec4 cubic(const Track& track, const Span& at)
+// glTF 2.0, appendix C.5 "Cubic Spline Interpolation": Hermite, tangents a second. valueAt(i): the i-th of
+// the track's values, three a key.
+template<class ValueAt>
+auto cubic(const ValueAt& valueAt, const Span& at)
 {
-    if (at.before == at.after)
-        return track.values[3 * at.before + 1];
     const float t = at.share, t2 = t * t, t3 = t2 * t;
-    const glm::vec4 &from = track.values[3 * at.before + 1], &leaving = track.values[3 * at.before + 2],
-                    &arriving = track.values[3 * at.after], &to = track.values[3 * at.after + 1];
+    const auto from = valueAt(3 * at.before + 1), leaving = valueAt(3 * at.before + 2),
+               arriving = valueAt(3 * at.after), to = valueAt(3 * at.after + 1);
     return (2.0f * t3 - 3.0f * t2 + 1.0f) * from + at.seconds * (t3 - 2.0f * t2 + t) * leaving +
            (-2.0f * t3 + 3.0f * t2) * to + at.seconds * (t3 - t2) * arriving;
+}
+
+glm::vec4 cubic(const Track& track, const Span& at)
+{
+    return cubic([&](size_t i) { return track.values[i]; }, at);
 }
 
 glm::quat quatOf(glm::vec4 v)
@@ -75,7 +79,7 @@ glm::mat4 parentFromNode(const MovingNode& node, double seconds)
 
 glm::vec3 sampleVector(const Track& track, double seconds)
 {
-    const Span at = spanAt(track, seconds);
+    const Span at = spanAt(track.seconds, seconds);
     if (track.interpolation == Interpolation::cubicSpline)
         return cubic(track, at);
     if (track.interpolation == Interpolation::step)
@@ -85,7 +89,7 @@ glm::vec3 sampleVector(const Track& track, double seconds)
 
 glm::quat sampleRotation(const Track& track, double seconds)
 {
-    const Span at = spanAt(track, seconds);
+    const Span at = spanAt(track.seconds, seconds);
     if (track.interpolation == Interpolation::cubicSpline)
         return quatOf(cubic(track, at));
     if (track.interpolation == Interpolation::step)
@@ -93,10 +97,31 @@ glm::quat sampleRotation(const Track& track, double seconds)
     return glm::slerp(quatOf(track.values[at.before]), quatOf(track.values[at.after]), at.share);
 }
 
+std::vector<float> sampleWeights(const WeightTrack& track, double seconds)
+{
+    const Span at = spanAt(track.seconds, seconds);
+    std::vector<float> weights(track.count);
+    for (size_t w = 0; w < track.count; ++w) {
+        const auto valueAt = [&](size_t i) { return track.values[i * track.count + w]; };
+        if (track.interpolation == Interpolation::cubicSpline)
+            weights[w] = cubic(valueAt, at);
+        else if (track.interpolation == Interpolation::step)
+            weights[w] = valueAt(at.before);
+        else
+            weights[w] = glm::mix(valueAt(at.before), valueAt(at.after), at.share);
+    }
+    return weights;
+}
+
+double timeInRound(const Animation& animation, double seconds)
+{
+    return animation.seconds > 0.0 ? seconds - std::floor(seconds / animation.seconds) * animation.seconds
+                                   : seconds;
+}
+
 Pose poseAt(const Animation& animation, double seconds)
 {
-    if (animation.seconds > 0.0)
-        seconds -= std::floor(seconds / animation.seconds) * animation.seconds;
+    seconds = timeInRound(animation, seconds);
     Pose pose;
     pose.reserve(animation.nodes.size());
     for (const MovingNode& node : animation.nodes)

@@ -29,6 +29,15 @@ struct NodeTracks {
     Track translation, rotation, scale;
 };
 
+// Weights of morph targets over time, `count` at once.
+struct WeightTrack {
+    Interpolation interpolation = Interpolation::linear;
+    std::vector<float> seconds; // rising
+    std::vector<float> values;  // as of Track, `count` in place of one
+    size_t count = 0;
+};
+std::vector<float> sampleWeights(const WeightTrack& track, double seconds);
+
 // A node that moves, or one below it. `matrix` is of a node that only its ancestors move.
 struct MovingNode {
     int parent = -1;                 // in Animation::nodes, always before this one; -1: stands still
@@ -42,12 +51,15 @@ struct MovingNode {
 
 struct Animation {
     std::vector<MovingNode> nodes;
+    std::vector<WeightTrack> weights;
     double seconds = 0.0; // then it starts again; 0: nothing moves
 };
 
 // World transforms of animation.nodes.
 using Pose = std::vector<glm::mat4>;
 Pose poseAt(const Animation& animation, double seconds);
+// The time in [0, animation.seconds) that is shown then: all plays again and again.
+double timeInRound(const Animation& animation, double seconds);
 
 // What the pose makes of a camera or light; those that no node moves stay as they are.
 Camera moved(const Camera& camera, const Pose& pose);

@@ -61,7 +61,9 @@ Elements checkedElements(const Reader& reader, int index, int components)
     if (size == 0)
         reader.fail(
             fmt::format("accessor {} has the unknown component type {}", index, accessor.componentType));
-    const int type = components == 1 ? TINYGLTF_TYPE_SCALAR : components; // VEC2 to VEC4 are 2 to 4
+    const int type = components == 1    ? TINYGLTF_TYPE_SCALAR
+                     : components == 16 ? TINYGLTF_TYPE_MAT4
+                                        : components; // VEC2 to VEC4 are 2 to 4
     if (accessor.type != type)
         reader.fail(fmt::format("accessor {} has the wrong type for its use", index));
     if (accessor.count == 0)
@@ -134,7 +136,7 @@ bool isSmallInteger(int type)
 bool allowed(const Reader& reader, Storage storage, const tinygltf::Accessor& accessor)
 {
     if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT)
-        return true;
+        return storage != Storage::unsignedInteger;
     if (!isSmallInteger(accessor.componentType))
         return false;
     const bool isSigned = accessor.componentType == TINYGLTF_COMPONENT_TYPE_BYTE ||
@@ -146,6 +148,8 @@ bool allowed(const Reader& reader, Storage storage, const tinygltf::Accessor& ac
         return reader.document.quantised || (accessor.normalized && !isSigned);
     case Storage::floatOrNormalized:
         return accessor.normalized;
+    case Storage::unsignedInteger:
+        return !isSigned && !accessor.normalized;
     }
     return false;
 }
@@ -199,6 +203,11 @@ std::span<const std::byte> bufferViewBytes(const Reader& reader, int index)
 size_t accessorCount(const Reader& reader, int accessor)
 {
     return accessorAt(reader, accessor).count;
+}
+
+bool isVec3(const Reader& reader, int accessor)
+{
+    return accessorAt(reader, accessor).type == TINYGLTF_TYPE_VEC3;
 }
 
 std::vector<float> readFloats(const Reader& reader, int index, int components, Storage storage,

@@ -18,8 +18,9 @@ Interpolation interpolationOf(const Reader& reader, const std::string& name)
     reader.fail(fmt::format("an animation has the unknown interpolation {:.64}", name));
 }
 
+// `values` of `components` floats each belong to a key.
 Track readTrack(const Reader& reader, const tinygltf::AnimationSampler& sampler, int components,
-                Storage storage, size_t& keys)
+                Storage storage, size_t values, size_t& keys)
 {
     Track track;
     track.interpolation = interpolationOf(reader, sampler.interpolation);
@@ -30,22 +31,42 @@ Track readTrack(const Reader& reader, const tinygltf::AnimationSampler& sampler,
     for (size_t i = 1; i < track.seconds.size(); ++i)
         if (!(track.seconds[i] > track.seconds[i - 1]))
             reader.fail("an animation's times do not rise");
-    const std::vector<float> values =
+    const std::vector<float> read =
         readFloats(reader, sampler.output, components, storage, "an animation's values");
     const size_t each = track.interpolation == Interpolation::cubicSpline ? 3 : 1;
-    if (values.size() != track.seconds.size() * each * size_t(components))
+    if (read.size() != track.seconds.size() * each * values * size_t(components))
         reader.fail("an animation has not as many values as times");
-    track.values.resize(values.size() / size_t(components), glm::vec4(0.0f));
-    for (size_t i = 0; i < values.size(); ++i)
-        track.values[i / size_t(components)][int(i % size_t(components))] = values[i];
+    track.values.resize(read.size() / size_t(components), glm::vec4(0.0f));
+    for (size_t i = 0; i < read.size(); ++i)
+        track.values[i / size_t(components)][int(i % size_t(components))] = read[i];
+    return track;
+}
+
+// Of the node's mesh; 0 where nothing morphs.
+size_t morphTargetsOf(const tinygltf::Model& model, int node)
+{
+    const int mesh = model.nodes[size_t(node)].mesh;
+    if (mesh < 0 || size_t(mesh) >= model.meshes.size() || model.meshes[size_t(mesh)].primitives.empty())
+        return 0;
+    return model.meshes[size_t(mesh)].primitives.front().targets.size();
+}
+
+WeightTrack readWeights(const Reader& reader, const tinygltf::AnimationSampler& sampler, size_t targets,
+                        size_t& keys)
+{
+    Track all = readTrack(reader, sampler, 1, Storage::floatOrNormalized, targets, keys);
+    WeightTrack track{all.interpolation, std::move(all.seconds), {}, targets};
+    for (const glm::vec4& value : all.values)
+        track.values.push_back(value.x);
     return track;
 }
 
 } // namespace
 
-std::map<int, NodeTracks> readTracks(Reader& reader)
+Tracks readTracks(Reader& reader)
 {
-    std::map<int, NodeTracks> nodes;
+    Tracks found;
+    std::map<int, NodeTracks>& nodes = found.nodes;
     size_t keys = 0;
     for (const tinygltf::Animation& animation : reader.model.animations)
         for (const tinygltf::AnimationChannel& channel : animation.channels) {
@@ -57,8 +78,14 @@ std::map<int, NodeTracks> readTracks(Reader& reader)
             const tinygltf::AnimationSampler& sampler = animation.samplers[size_t(channel.sampler)];
             const auto fill = [&](Track& track, int components, Storage storage) {
                 if (track.empty())
-                    track = readTrack(reader, sampler, components, storage, keys);
+                    track = readTrack(reader, sampler, components, storage, 1, keys);
             };
+            if (channel.target_path == "weights") {
+                const size_t targets = morphTargetsOf(reader.model, channel.target_node);
+                if (targets > 0 && !found.weights.contains(channel.target_node))
+                    found.weights[channel.target_node] = readWeights(reader, sampler, targets, keys);
+                continue;
+            }
             NodeTracks& tracks = nodes[channel.target_node];
             if (channel.target_path == "translation")
                 fill(tracks.translation, 3, Storage::floatOnly);
@@ -73,7 +100,7 @@ std::map<int, NodeTracks> readTracks(Reader& reader)
         const NodeTracks& t = node.second;
         return t.translation.empty() && t.rotation.empty() && t.scale.empty();
     });
-    return nodes;
+    return found;
 }
 
 } // namespace lumel::scene

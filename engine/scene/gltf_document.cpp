@@ -307,8 +307,11 @@ void DocumentReader::readImages()
 
 void DocumentReader::dropUndrawn()
 {
-    if (root_.erase("skins") > 0)
-        document_.ignored.insert("skins");
+    // Without inverse bind matrices they are identities; tinygltf wants a number all the same.
+    if (root_.contains("skins") && root_["skins"].is_array())
+        for (Json& skin : root_["skins"])
+            if (skin.is_object() && !skin.contains("inverseBindMatrices"))
+                skin["inverseBindMatrices"] = -1;
     // glTF 2.0, section 3.11: a channel without a node moves something that only an extension knows.
     if (!root_.contains("animations") || !root_["animations"].is_array())
         return;

@@ -55,9 +55,12 @@ void dropUnused(Mesh& mesh)
         if (renamed[i] == kUnused)
             continue;
         mesh.vertices[count] = mesh.vertices[i];
+        if (!mesh.sources.empty())
+            mesh.sources[count] = mesh.sources[i];
         renamed[i] = count++;
     }
     mesh.vertices.resize(count);
+    mesh.sources.resize(std::min(mesh.sources.size(), size_t(count)));
     for (uint32_t& index : mesh.indices)
         index = renamed[index];
 }
@@ -137,6 +140,19 @@ void setMaterialUvs(const Reader& reader, const UvSets& sets, const Material& ma
     }
 }
 
+// Alpha counts where the material's does. Colours beyond half floats' range make no picture.
+void readColours(Reader& reader, int accessor, size_t fileVertices, AlphaMode mode, Mesh& mesh)
+{
+    const int components = isVec3(reader, accessor) ? 3 : 4;
+    const auto values =
+        readAttribute(reader, accessor, components, Storage::floatOrUnorm, "COLOR_0", fileVertices);
+    for (const uint32_t source : mesh.sources) {
+        const float* c = &values[size_t(components) * source];
+        const float alpha = components == 4 && mode != AlphaMode::opaque ? c[3] : 1.0f;
+        mesh.colours.push_back(glm::clamp(glm::vec4(c[0], c[1], c[2], alpha), 0.0f, 60000.0f));
+    }
+}
+
 void readTriangles(Reader& reader, const tinygltf::Primitive& primitive, Mesh& mesh)
 {
     std::vector<uint32_t> indices;
@@ -151,7 +167,7 @@ void readTriangles(Reader& reader, const tinygltf::Primitive& primitive, Mesh& m
     mesh.indices = triangleList(indices, primitive.mode);
 }
 
-void completeFrames(const Attributes& use, bool hasMaterialUvs, Mesh& mesh)
+MadeFrames completeFrames(const Attributes& use, bool hasMaterialUvs, Mesh& mesh)
 {
     if (use.normal < 0)
         makeFlatNormals(mesh);
@@ -163,17 +179,14 @@ void completeFrames(const Attributes& use, bool hasMaterialUvs, Mesh& mesh)
         makeTangents(mesh);
     else
         makeArbitraryTangents(mesh);
+    return {.normals = use.normal < 0, .tangents = hasMaterialUvs && (use.tangent < 0 || use.normal < 0)};
 }
 
 void noteUndrawn(Reader& reader, const tinygltf::Primitive& primitive)
 {
     auto& ignored = reader.document.ignored;
-    if (primitive.attributes.contains("COLOR_0"))
-        ignored.insert("vertex colours");
     if (primitive.attributes.contains("TEXCOORD_2"))
         ignored.insert("further UV sets");
-    if (!primitive.targets.empty())
-        ignored.insert("morph targets");
     if (!isTriangles(primitive.mode))
         ignored.insert("points and lines");
 }
@@ -194,19 +207,26 @@ int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const Materia
     mesh.name = name;
     readVertices(reader, use, mesh);
     readTriangles(reader, primitive, mesh);
-    reader.readElements += mesh.vertices.size() + mesh.indices.size();
-    if (reader.readElements > kMaxReadElements)
-        reader.fail(fmt::format("its meshes name more than {} vertices and indices", kMaxReadElements),
-                    "split the model");
+    reader.countElements(mesh.vertices.size() + mesh.indices.size());
     if (mesh.indices.empty())
         return -1;
     const UvSets sets = readUvSets(reader, use, mesh.vertices.size());
     setMaterialUvs(reader, sets, material, mesh);
     chooseLitUvs(sets, mesh);
+    const int colours = attribute(primitive, "COLOR_0");
+    if (deforms(primitive) || colours >= 0) {
+        mesh.sources.resize(mesh.vertices.size());
+        std::iota(mesh.sources.begin(), mesh.sources.end(), 0u);
+    }
     dropUnused(mesh);
-    completeFrames(use, !sets[size_t(material.uv.set)].empty(), mesh);
+    const MadeFrames made = completeFrames(use, !sets[size_t(material.uv.set)].empty(), mesh);
     for (const Vertex& v : mesh.vertices)
         mesh.bounds.add(v.position);
+    if (deforms(primitive))
+        readDeformation(reader, primitive, made, mesh);
+    if (colours >= 0)
+        readColours(reader, colours, accessorCount(reader, use.position), material.alphaMode, mesh);
+    mesh.sources = {};
     reader.sceneVertices += mesh.vertices.size();
     if (reader.sceneVertices > kMaxSceneVertices)
         reader.fail(fmt::format("more than {} vertices", kMaxSceneVertices), "split the model");
@@ -224,6 +244,14 @@ std::vector<int> cacheKey(const tinygltf::Primitive& p, const Material& material
         for (float value : {m.offset.x, m.offset.y, m.scale.x, m.scale.y, m.rotation})
             key.push_back(std::bit_cast<int>(value));
     }
+    key.push_back(int(material.alphaMode)); // of the colours
+    for (const char* name : {"COLOR_0", "JOINTS_0", "WEIGHTS_0", "JOINTS_1", "WEIGHTS_1"})
+        key.push_back(attribute(p, name));
+    for (const auto& target : p.targets)
+        for (const char* name : {"POSITION", "NORMAL", "TANGENT"}) {
+            const auto found = target.find(name);
+            key.push_back(found == target.end() ? -1 : found->second);
+        }
     return key;
 }
 
@@ -238,6 +266,9 @@ std::vector<Primitive> readMesh(Reader& reader, int index, Scene& scene, Primiti
     std::vector<Primitive> primitives;
     for (size_t i = 0; i < mesh.primitives.size(); ++i) {
         const tinygltf::Primitive& p = mesh.primitives[i];
+        if (p.targets.size() != mesh.primitives.front().targets.size())
+            reader.fail(fmt::format("mesh '{}' has primitives of {} and of {} morph targets", name,
+                                    mesh.primitives.front().targets.size(), p.targets.size()));
         if (p.material < -1 || p.material >= int(reader.model.materials.size()))
             reader.fail(fmt::format("mesh '{}' names material {}, which does not exist", name, p.material));
         const Material material = p.material >= 0 ? scene.materials[size_t(p.material)] : Material{};

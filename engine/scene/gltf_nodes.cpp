@@ -1,5 +1,5 @@
 // The node tree of the default scene to objects, cameras and lights in world space.
-#include "gltf_reader.h"
+#include "gltf_skins.h"
 #include <spdlog/spdlog.h>
 
 namespace lumel::scene {
@@ -16,8 +16,10 @@ bool isFinite(const glm::mat4& m)
 
 class NodeReader {
 public:
-    NodeReader(Reader& reader, Scene& scene)
-        : reader_(reader), scene_(scene), seen_(reader.model.nodes.size(), false), tracks_(readTracks(reader))
+    NodeReader(Reader& reader, Scene& scene) : NodeReader(reader, scene, readTracks(reader)) {}
+    NodeReader(Reader& reader, Scene& scene, Tracks tracks)
+        : reader_(reader), scene_(scene), placed_(reader.model.nodes.size()),
+          tracks_(std::move(tracks.nodes)), deformed_(reader, scene, std::move(tracks.weights))
     {
     }
 
@@ -36,10 +38,14 @@ public:
             if (!isFinite(world))
                 reader_.fail(fmt::format("node {} has a transform that is not finite", visit.node));
             moving_ = addMoving(node, visit);
+            placed_[size_t(visit.node)] = PlacedNode{world, moving_};
             readNode(node, visit.node, world);
             for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
                 stack.push_back({*child, visit.depth + 1, moving_, world});
         }
+        deformed_.finish(placed_);
+        for (size_t i = 0; i < scene_.objects.size(); ++i)
+            addToBounds(i);
     }
 
 private:
@@ -55,7 +61,9 @@ private:
     glm::mat4 localTransform(const tinygltf::Node& node, int index) const;
     int addMoving(const tinygltf::Node& node, const Visit& visit);
     void readNode(const tinygltf::Node& node, int index, const glm::mat4& world);
-    void addObjects(const tinygltf::Node& node, int index, const glm::mat4& world, const std::string& suffix);
+    void addObjects(const tinygltf::Node& node, int index, const glm::mat4& world,
+                    const glm::mat4& nodeFromInstance, const std::string& suffix);
+    void addToBounds(size_t object);
     void addCamera(const tinygltf::Node& node, const glm::mat4& world);
     void addLight(const tinygltf::Node& node, int index, const glm::mat4& world);
     void readCone(const tinygltf::Light& in, Light& light) const;
@@ -63,9 +71,10 @@ private:
 
     Reader& reader_;
     Scene& scene_;
-    std::vector<bool> seen_;
-    std::map<int, NodeTracks> tracks_; // by glTF node
-    int moving_ = -1;                  // of the node being read, in Animation::nodes
+    std::vector<std::optional<PlacedNode>> placed_; // by glTF node; none: not met yet
+    std::map<int, NodeTracks> tracks_;              // by glTF node
+    DeformedMeshReader deformed_;
+    int moving_ = -1; // of the node being read, in Animation::nodes
     PrimitiveCache cache_;
     std::map<int, std::vector<Primitive>> meshes_; // by glTF mesh
     int defaultMaterial_ = -1;
@@ -95,14 +104,13 @@ std::vector<int> NodeReader::rootNodes() const
 
 const tinygltf::Node& NodeReader::enter(const Visit& visit)
 {
-    if (visit.node < 0 || size_t(visit.node) >= seen_.size())
+    if (visit.node < 0 || size_t(visit.node) >= placed_.size())
         reader_.fail(fmt::format("node {} does not exist", visit.node));
     if (visit.depth > kMaxNodeDepth)
         reader_.fail(fmt::format("nodes are nested deeper than {} levels", kMaxNodeDepth));
     // glTF 2.0, section 3.5.2: strict trees. This is also what ends cycles.
-    if (seen_[size_t(visit.node)])
+    if (placed_[size_t(visit.node)])
         reader_.fail(fmt::format("node {} has two parents or is its own ancestor", visit.node));
-    seen_[size_t(visit.node)] = true;
     return reader_.model.nodes[size_t(visit.node)];
 }
 
@@ -173,7 +181,7 @@ void NodeReader::readNode(const tinygltf::Node& node, int index, const glm::mat4
     if (node.mesh >= 0) {
         const std::vector<glm::mat4> instances = readInstances(reader_, index);
         for (size_t i = 0; i < instances.size(); ++i)
-            addObjects(node, index, world * instances[i], instances.size() > 1 ? fmt::format("#{}", i) : "");
+            addObjects(node, index, world, instances[i], instances.size() > 1 ? fmt::format("#{}", i) : "");
     }
     if (node.camera >= 0)
         addCamera(node, world);
@@ -192,9 +200,10 @@ int NodeReader::defaultMaterial()
 }
 
 // suffix: of the name, tells instances apart.
-void NodeReader::addObjects(const tinygltf::Node& node, int index, const glm::mat4& world,
-                            const std::string& suffix)
+void NodeReader::addObjects(const tinygltf::Node& node, int index, const glm::mat4& worldFromNode,
+                            const glm::mat4& nodeFromInstance, const std::string& suffix)
 {
+    const glm::mat4 world = worldFromNode * nodeFromInstance;
     if (!meshes_.contains(node.mesh))
         meshes_[node.mesh] = readMesh(reader_, node.mesh, scene_, cache_);
     const std::vector<Primitive>& primitives = meshes_[node.mesh];
@@ -218,15 +227,24 @@ void NodeReader::addObjects(const tinygltf::Node& node, int index, const glm::ma
         object.name = name;
         if (primitives.size() > 1)
             object.name += "/" + scene_.materials[size_t(object.material)].name;
-        object.worldFromObject = world;
-        object.node = moving_;
-        const Bounds& box = scene_.meshes[size_t(object.mesh)].bounds;
-        for (int corner = 0; corner < 8; ++corner) {
-            const glm::vec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
-                              corner & 4 ? box.upper.z : box.lower.z);
-            scene_.bounds.add(glm::vec3(world * glm::vec4(p, 1.0f)));
-        }
+        object.deformed = deformed_.add(node, index, object.mesh);
+        // Joints stand in world space: a skin has no use for its node's place (glTF 2.0, section 3.7.3.3).
+        const bool skinned = object.deformed >= 0 && scene_.deformed[size_t(object.deformed)].skin >= 0;
+        object.worldFromObject = skinned ? nodeFromInstance : world;
+        object.node = skinned ? -1 : moving_;
+        object.nodeFromObject = nodeFromInstance;
         scene_.objects.push_back(std::move(object));
+    }
+}
+
+void NodeReader::addToBounds(size_t index)
+{
+    const Object& object = scene_.objects[index];
+    const Bounds box = objectBounds(scene_, index);
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
+                          corner & 4 ? box.upper.z : box.lower.z);
+        scene_.bounds.add(glm::vec3(object.worldFromObject * glm::vec4(p, 1.0f)));
     }
 }
 

@@ -17,11 +17,20 @@ struct Reader {
     tinygltf::Model model;
     size_t sceneVertices = 0;
     size_t readElements = 0;
+    size_t morphElements = 0; // vertices, for each morph target
 
     // "file: why; remedy"
     [[noreturn]] void fail(const std::string& why, const char* remedy = "export it again") const
     {
         throw Error(fmt::format("{}: {}; {}", document.file, printable(why), remedy));
+    }
+    // Bounds the time: accessors may be read again and again.
+    void countElements(size_t count)
+    {
+        readElements += count;
+        if (readElements > kMaxReadElements)
+            fail(fmt::format("its meshes name more than {} vertices and indices", kMaxReadElements),
+                 "split the model");
     }
 };
 
@@ -29,16 +38,18 @@ struct Reader {
 std::span<const std::byte> bufferViewBytes(const Reader& reader, int view);
 
 // Which storage glTF 2.0, section 3.7.2.1, allows an attribute. KHR_mesh_quantization widens the first two.
-enum class Storage { floatOnly, floatOrUnorm, floatOrNormalized };
+enum class Storage { floatOnly, floatOrUnorm, floatOrNormalized, unsignedInteger };
 
-// All elements of an accessor, `components` floats each, normalised integers decoded, sparse values
-// applied. Every range is checked before a byte is read. Throws Error also for NaN and infinity.
+// All elements of an accessor, `components` floats each (16: a matrix by columns), normalised integers
+// decoded, sparse values applied. Every range is checked before a byte is read. Throws Error also for NaN and
+// infinity.
 std::vector<float> readFloats(const Reader& reader, int accessor, int components, Storage storage,
                               const char* what);
 // Vertex indices, each below vertexCount.
 std::vector<uint32_t> readIndices(const Reader& reader, int accessor, size_t vertexCount);
 // Number of elements; checks only the accessor's index.
 size_t accessorCount(const Reader& reader, int accessor);
+bool isVec3(const Reader& reader, int accessor); // checks only the index
 
 // The mesh's drawable primitives as meshes of the scene, made once however often they are used.
 struct Primitive {
@@ -49,8 +60,21 @@ using PrimitiveCache =
     std::map<std::vector<int>, int>; // accessors and mode to Scene::meshes, -1 not drawable
 std::vector<Primitive> readMesh(Reader& reader, int mesh, Scene& scene, PrimitiveCache& cache);
 
+// Which vectors the loader made, since the file has none.
+struct MadeFrames {
+    bool normals = false, tangents = false;
+};
+bool deforms(const tinygltf::Primitive& primitive);
+// Sets mesh.deformation, by mesh.sources. All else of the mesh is complete.
+void readDeformation(Reader& reader, const tinygltf::Primitive& primitive, const MadeFrames& made,
+                     Mesh& mesh);
+
 // What moves, by glTF node.
-std::map<int, NodeTracks> readTracks(Reader& reader);
+struct Tracks {
+    std::map<int, NodeTracks> nodes;
+    std::map<int, WeightTrack> weights;
+};
+Tracks readTracks(Reader& reader);
 // Transforms from each instance of a node's mesh to the node: one identity where the node has none of its own
 // (EXT_mesh_gpu_instancing).
 std::vector<glm::mat4> readInstances(const Reader& reader, int node);

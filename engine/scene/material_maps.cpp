@@ -426,4 +426,21 @@ std::vector<Image> mipChain(Image image)
     return levels;
 }
 
+std::vector<Image> meanSpecular(const baker::ReflectanceMips& mips)
+{
+    const baker::Level& level = mips.levels.front();
+    Image image(level.width, level.height, 3);
+    bool varies = false;
+    for (size_t i = 0; i < size_t(level.width) * size_t(level.height); ++i)
+        for (size_t c = 0; c < 3; ++c) {
+            image.pixels[3 * i + c] = level.texels[i * baker::kChannels + baker::kKsR + c];
+            varies = varies || image.pixels[3 * i + c] != image.pixels[c];
+        }
+    if (varies)
+        return mipChain(std::move(image));
+    Image constant(1, 1, 3);
+    std::copy_n(image.pixels.begin(), 3, constant.pixels.begin());
+    return {constant};
+}
+
 } // namespace lumel::scene

@@ -49,6 +49,16 @@ bool meetsTriangle(const Ray& ray, glm::vec3 a, glm::vec3 b, glm::vec3 c, bool b
     return true;
 }
 
+// As the nodes say; nothing where the mesh does not bend.
+std::vector<Vertex> bentVertices(const Scene& scene, int deformed)
+{
+    if (deformed < 0)
+        return {};
+    const DeformedMesh& d = scene.deformed[size_t(deformed)];
+    return deformedVertices(scene.meshes[size_t(d.mesh)],
+                            d.skin >= 0 ? jointMatrices(scene.skins[size_t(d.skin)]) : Matrices(), d.weights);
+}
+
 Nearest pickMesh(const Scene& scene, size_t object, const Ray& worldRay, float distance)
 {
     const Object& o = scene.objects[object];
@@ -58,14 +68,16 @@ Nearest pickMesh(const Scene& scene, size_t object, const Ray& worldRay, float d
     const Ray ray{glm::vec3(objectFromWorld * glm::vec4(worldRay.origin, 1.0f)),
                   glm::vec3(objectFromWorld * glm::vec4(worldRay.direction, 0.0f))};
     Nearest start{.distance = distance, .object = object};
-    if (!meetsBox(ray, mesh.bounds, distance))
+    if (!meetsBox(ray, objectBounds(scene, object), distance))
         return start;
+    const std::vector<Vertex> bent = bentVertices(scene, o.deformed);
+    const std::vector<Vertex>& vertices = bent.empty() ? mesh.vertices : bent;
     const bool bothSides = scene.materials[size_t(o.material)].doubleSided;
     return tbb::parallel_reduce(
         tbb::blocked_range<size_t>(0, mesh.indices.size() / 3, 4096), start,
         [&](const auto& range, Nearest nearest) {
             for (size_t i = range.begin(); i < range.end(); ++i) {
-                const auto corner = [&](size_t k) { return mesh.vertices[mesh.indices[3 * i + k]].position; };
+                const auto corner = [&](size_t k) { return vertices[mesh.indices[3 * i + k]].position; };
                 // Rays are in object space: there, a mirrored object's front is as any other's.
                 if (meetsTriangle(ray, corner(0), corner(1), corner(2), bothSides, nearest))
                     nearest.triangle = i;
@@ -99,8 +111,10 @@ std::optional<Hit> pick(const Scene& scene, const Ray& ray)
         return std::nullopt;
     const Object& object = scene.objects[nearest.object];
     const Mesh& mesh = scene.meshes[size_t(object.mesh)];
+    const std::vector<Vertex> bent = bentVertices(scene, object.deformed);
+    const std::vector<Vertex>& vertices = bent.empty() ? mesh.vertices : bent;
     const auto corner = [&](size_t k) -> const Vertex& {
-        return mesh.vertices[mesh.indices[3 * nearest.triangle + k]];
+        return vertices[mesh.indices[3 * nearest.triangle + k]];
     };
     const glm::vec3 weights(1.0f - nearest.barycentric.x - nearest.barycentric.y, nearest.barycentric);
     Hit hit;
@@ -123,7 +137,7 @@ std::optional<Hit> pick(const Scene& scene, const Ray& ray)
 Bounds worldBounds(const Scene& scene, size_t object)
 {
     const Object& o = scene.objects[object];
-    const Bounds& box = scene.meshes[size_t(o.mesh)].bounds;
+    const Bounds box = objectBounds(scene, object);
     Bounds bounds;
     for (int corner = 0; corner < 8; ++corner)
         bounds.add(o.worldFromObject * glm::vec4(corner & 1 ? box.upper.x : box.lower.x,

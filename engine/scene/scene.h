@@ -3,8 +3,10 @@
 #include "animation.h"
 #include "core/image.h"
 #include "core/math.h"
+#include "deformation.h"
 #include "shared/structs.h"
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,12 +29,16 @@ struct Mesh {
     std::string name;
     std::vector<Vertex> vertices;
     std::vector<uint32_t> indices;
+    std::vector<glm::vec4> colours; // of the vertices, linear; empty: all white
     Bounds bounds;
     // Of the lit UVs (Vertex::uv). Empty when each point of [0, 1]^2 belongs to at most one triangle, so that
     // lumels are unique; else the reason: "UVs overlap by 7.5 %" (of the area they cover), "UVs leave [0,
     // 1]", "no UVs", "UVs cover no area".
     std::string uvProblem;
     std::optional<UnwrapReport> unwrapped; // the lit UVs were made here
+    Deformation deformation;
+    // While the mesh is read, where its vertices are copied and left out: the file's vertex that each one is.
+    std::vector<uint32_t> sources;
 };
 
 enum class AlphaMode { opaque, mask, blend };
@@ -111,6 +117,8 @@ struct Object {
     int mesh = 0;
     int material = 0;
     int node = -1;                   // in Scene::animation that moves it, -1 none
+    int deformed = -1;               // in Scene::deformed, -1: the mesh as it is
+    glm::mat4 nodeFromObject{1.0f};  // of an instance
     glm::mat4 worldFromObject{1.0f}; // invertible; where it mirrors, front faces turn clockwise
 };
 
@@ -140,16 +148,21 @@ struct Light {
     bool operator==(const Light&) const = default;
 };
 
+struct Environment; // environment.h
+
 struct Scene {
     std::filesystem::path file;
     std::vector<Mesh> meshes;
     std::vector<Material> materials; // the ones that objects use
     std::vector<SceneImage> images;
     std::vector<Object> objects;
-    std::vector<Camera> cameras; // as in the file; may be empty
-    std::vector<Light> lights;   // as in the file; may be empty
-    Animation animation;         // objects, cameras and lights are where the nodes say, not the tracks
-    Bounds bounds;               // of all objects, world space
+    std::vector<Camera> cameras;                    // as in the file; may be empty
+    std::vector<Light> lights;                      // as in the file; may be empty
+    std::shared_ptr<const Environment> environment; // none: a faint constant light fills the shadows
+    std::vector<Skin> skins;
+    std::vector<DeformedMesh> deformed;
+    Animation animation; // objects, cameras and lights are where the nodes say, not the tracks
+    Bounds bounds;       // of all objects, world space
 };
 
 // Loads .gltf (with files beside it or embedded) or .glb. Throws Error, one line naming file and remedy,

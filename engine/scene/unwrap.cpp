@@ -208,13 +208,18 @@ Unwrapping unwrap(const Mesh& mesh)
 void apply(const Unwrapping& unwrapping, Mesh& mesh)
 {
     std::vector<Vertex> vertices;
+    std::vector<glm::vec4> colours;
     vertices.reserve(unwrapping.sources.size());
     for (size_t i = 0; i < unwrapping.sources.size(); ++i) {
         vertices.push_back(mesh.vertices[unwrapping.sources[i]]);
         vertices.back().uv = unwrapping.uvs[i];
+        if (!mesh.colours.empty())
+            colours.push_back(mesh.colours[unwrapping.sources[i]]);
     }
     mesh.vertices = std::move(vertices);
+    mesh.colours = std::move(colours);
     mesh.indices = unwrapping.indices;
+    mesh.deformation = gathered(mesh.deformation, unwrapping.sources);
     mesh.unwrapped = measureUnwrap(mesh);
     mesh.unwrapped->charts = unwrapping.charts;
     mesh.unwrapped->gap = unwrapping.gap;

@@ -143,6 +143,7 @@ glm::vec4 groupTangent(const Group& group, glm::vec3 normal, int side)
 void makeFlatNormals(Mesh& mesh)
 {
     std::vector<Vertex> vertices;
+    std::vector<uint32_t> sources;
     vertices.reserve(mesh.indices.size());
     for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
         Vertex corner[3];
@@ -155,8 +156,11 @@ void makeFlatNormals(Mesh& mesh)
             v.normal = glm::length(n) > 0.5 ? glm::vec3(n) : glm::vec3(0.0f, 0.0f, 1.0f);
             vertices.push_back(v);
         }
+        for (size_t c = 0; c < 3 && !mesh.sources.empty(); ++c)
+            sources.push_back(mesh.sources[mesh.indices[i + c]]);
     }
     mesh.vertices = std::move(vertices);
+    mesh.sources = std::move(sources);
     for (size_t i = 0; i < mesh.indices.size(); ++i)
         mesh.indices[i] = uint32_t(i);
 }
@@ -234,6 +238,8 @@ void makeTangents(Mesh& mesh)
                     Vertex copy = mesh.vertices[index];
                     copy.tangent = groupTangent(group[size_t(side)], copy.normal, side);
                     mesh.vertices.push_back(copy);
+                    if (!mesh.sources.empty())
+                        mesh.sources.push_back(mesh.sources[index]);
                 }
                 index = twin[index];
             }

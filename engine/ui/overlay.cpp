@@ -96,7 +96,7 @@ void drawSelection(const ViewState& state, const ViewReport& report, const Layou
     if (!report.scene || !state.selected || *state.selected >= report.scene->objects.size())
         return;
     const scene::Object& object = report.scene->objects[*state.selected];
-    const Bounds& box = report.scene->meshes[size_t(object.mesh)].bounds;
+    const Bounds box = objectBounds(*report.scene, *state.selected);
     const scene::Camera& camera = state.camera.camera();
     const glm::mat4 clipFromObject =
         reversedPerspective(camera.yFov, layout.picture.x / layout.picture.y, camera.nearMetres) *

@@ -12,10 +12,10 @@ struct Pass {
     const char* name;
     ImU32 colour;
 };
-constexpr Pass kPasses[] = {
-    {"need", IM_COL32(94, 160, 220, 255)},  {"plan", IM_COL32(120, 132, 220, 255)},
-    {"light", IM_COL32(236, 168, 72, 255)}, {"lower", IM_COL32(206, 120, 76, 255)},
-    {"draw", IM_COL32(104, 190, 130, 255)}, {"display", IM_COL32(170, 174, 184, 255)}};
+constexpr Pass kPasses[] = {{"shadow", IM_COL32(150, 110, 190, 255)}, {"need", IM_COL32(94, 160, 220, 255)},
+                            {"plan", IM_COL32(120, 132, 220, 255)},   {"light", IM_COL32(236, 168, 72, 255)},
+                            {"lower", IM_COL32(206, 120, 76, 255)},   {"draw", IM_COL32(104, 190, 130, 255)},
+                            {"display", IM_COL32(170, 174, 184, 255)}};
 
 float rowHeight()
 {

@@ -77,6 +77,36 @@ bool drawLight(scene::Light& light)
     return changed;
 }
 
+void drawSurroundings(ViewState& state)
+{
+    Settings& s = state.settings;
+    label("Surroundings");
+    // A file stays in the list for as long as the viewer runs.
+    static std::string file;
+    if (state.environment != "none" && state.environment != "sky")
+        file = state.environment;
+    const std::string shown = std::filesystem::path(state.environment).filename().string();
+    if (ImGui::BeginCombo("##environment", shown.c_str())) {
+        for (const std::string& name : {std::string("none"), std::string("sky"), file})
+            if (!name.empty() && ImGui::Selectable(std::filesystem::path(name).filename().c_str()))
+                state.environment = name;
+        ImGui::EndCombo();
+    }
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("drop a .hdr in latitude and longitude on the window");
+    if (state.environment != "none") {
+        label("Their strength");
+        ImGui::SliderFloat("##intensity", &s.environmentIntensity, 0.0f, 8.0f, "%.2f",
+                           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+        label("Turned by");
+        ImGui::SliderFloat("##rotation", &s.environmentRotation, -180.0f, 180.0f, "%.0f degrees",
+                           ImGuiSliderFlags_AlwaysClamp);
+    }
+    label("Shadows");
+    ImGui::Checkbox("##shadows", &s.shadows);
+    ImGui::Separator();
+}
+
 } // namespace
 
 void drawObjectsTab(ViewState& state, const ViewReport& report)
@@ -106,6 +136,7 @@ void drawLightsTab(ViewState& state, const ViewReport& report)
 {
     if (!report.scene)
         return;
+    drawSurroundings(state);
     const float third = (ImGui::GetContentRegionAvail().x - 2.0f * ImGui::GetStyle().ItemSpacing.x) / 3.0f;
     const char* const names[] = {"Add sun", "Add point", "Add spot"};
     for (int type = 0; type < 3; ++type) {

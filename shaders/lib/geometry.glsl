@@ -8,6 +8,12 @@ Vertex pullVertex(ObjectAt object, uint corner)
     return object.at.vertices.at[object.at.indices.at[corner]];
 }
 
+vec4 vertexColour(ObjectAt object, uint vertex)
+{
+    uvec2 packed = object.at.colours.at[vertex];
+    return vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y));
+}
+
 // Barycentric coordinates of p in the triangle of texture coordinates a, b, c; extrapolates outside.
 vec3 barycentrics(vec2 a, vec2 b, vec2 c, vec2 p)
 {

@@ -17,6 +17,16 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer NeedTotals {
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Plans { Plan at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Jobs { Job at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Marks { Mark at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer DeformedVertices { Vertex at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Influences { Influence at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MorphDeltas { MorphDelta at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Matrices { mat4 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Floats { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Colours { uvec2 at[]; };
+
+// Pipelines by what lights their objects. The draw filter is constant 1.
+layout(constant_id = 0) const uint kFeatures = 0u; // kFeature...
+const bool kColoured = (kFeatures & kFeatureColoured) != 0u;
 
 // Of the frame. Uniform buffers: loads that are the same for all invocations are cheap from there.
 layout(set = 0, binding = 0, scalar) uniform ViewBlock { View view; };

@@ -2,14 +2,18 @@
 // Used per lumel by light.comp and per pixel by forward.frag, so that both light the same way.
 #ifndef LUMEL_SURFACE_GLSL
 #define LUMEL_SURFACE_GLSL
+#include "lib/environment.glsl"
 #include "lib/interface.glsl"
+#include "lib/shadow.glsl"
 #include "shared/shading.h"
+#include "shared/tint.h"
 
 layout(set = 1, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
 layout(set = 1, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
 layout(set = 1, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
 layout(set = 1, binding = 3) uniform sampler2D mapGlow;     // emitted radiance, ambient occlusion
 layout(set = 1, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
+layout(set = 1, binding = 5) uniform sampler2D mapAlbedo;   // mean Ks
 
 struct MaterialTexel {
     vec2 normal;
@@ -18,11 +22,13 @@ struct MaterialTexel {
     vec3 diffuse;
     vec3 emitted;
     float occlusion;
+    vec3 albedo; // what the lobes of the texel reflect on the whole; with an environment only
 };
 
 MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 glow)
 {
-    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, glow.rgb, glow.a);
+    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, glow.rgb, glow.a,
+                         specular.rgb);
 }
 
 // Maps beside the reflectance are chains of their own: as many levels coarser as they are smaller.
@@ -35,9 +41,26 @@ vec4 sampleBeside(sampler2D map, vec2 uv, float level)
 // uv: of the reflectance (xy) and of glow (zw).
 MaterialTexel sampleMaterial(ObjectAt object, vec4 uv, float level)
 {
-    return unpackMaterial(textureLod(mapNormal, uv.xy, level), textureLod(mapSpecular, uv.xy, level),
-                          textureLod(mapDiffuse, uv.xy, level),
-                          sampleBeside(mapGlow, uv.zw, level + object.at.glowLevelOffset));
+    MaterialTexel texel = unpackMaterial(textureLod(mapNormal, uv.xy, level), textureLod(mapSpecular, uv.xy, level),
+                                         textureLod(mapDiffuse, uv.xy, level),
+                                         sampleBeside(mapGlow, uv.zw, level + object.at.glowLevelOffset));
+    if ((kFeatures & kFeatureEnvironment) != 0u)
+        texel.albedo = sampleBeside(mapAlbedo, uv.xy, level).rgb;
+    return texel;
+}
+
+MaterialTexel tinted(ObjectAt object, MaterialTexel material, vec3 colour)
+{
+    if (object.at.dielectric >= 0.0)
+        for (int c = 0; c < 3; ++c) {
+            float diffuse = material.diffuse[c];
+            material.specular[c] = tintedSpecular(material.specular[c], diffuse, object.at.dielectric, colour[c]);
+            material.albedo[c] = tintedSpecular(material.albedo[c], diffuse, object.at.dielectric, colour[c]);
+        }
+    material.diffuse *= colour;
+    if ((object.at.flags & kObjectUnlit) != 0u)
+        material.emitted *= colour;
+    return material;
 }
 
 // A point of a surface as the lights see it.
@@ -45,7 +68,7 @@ struct ShadingPoint {
     SurfaceReflectance surface;
     vec3 position;
     vec3 toEye;
-    vec3 radiance; // emitted and ambient
+    vec3 radiance; // emitted, and reflected of what surrounds it
 };
 
 // position, normal, tangent (w = handedness) in world space, not necessarily unit.
@@ -70,9 +93,13 @@ ShadingPoint shadingPoint(ObjectAt object, MaterialTexel material, vec3 position
     surface.macroNormal = n;
     surface.specular = material.specular;
     surface.diffuse = material.diffuse;
-    vec3 radiance = material.emitted +
-                    reflectAmbient(surface, view.skyRadiance, view.groundRadiance) * material.occlusion;
-    return ShadingPoint(surface, position, toEye, radiance);
+    vec3 around;
+    if ((kFeatures & kFeatureEnvironment) != 0u)
+        around = surface.diffuse * environmentDiffuse(view.environment, surface.lobe.normal) +
+                 reflectEnvironment(surface, material.albedo, toEye);
+    else
+        around = reflectAmbient(surface, view.skyRadiance, view.groundRadiance);
+    return ShadingPoint(surface, position, toEye, material.emitted + around * material.occlusion);
 }
 
 vec3 reflectedFrom(ShadingPoint point, Light light)
@@ -81,12 +108,30 @@ vec3 reflectedFrom(ShadingPoint point, Light light)
     return reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance);
 }
 
+// From the listed lights that have a shadow map.
+vec3 reflectedFromShadowed(ShadingPoint point, uint listed[kListedLights / 32u])
+{
+    vec3 radiance = vec3(0.0);
+    for (uint i = 0u; i < view.shadowCount; ++i) {
+        Shadow shadow = view.shadows[i];
+        if ((listed[shadow.light / 32u] >> (shadow.light % 32u) & 1u) == 0u)
+            continue;
+        Incident incident = incidentLight(lights[shadow.light], point.position);
+        float visible = lightVisibility(shadow, i, point.position, point.surface.macroNormal, incident.direction);
+        radiance += reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance * visible);
+    }
+    return radiance;
+}
+
 // From the lights of a list (as in JobTile) and those past its last bit.
 vec3 reflectedFromListed(ShadingPoint point, uint listed[kListedLights / 32u])
 {
+    const bool shadows = (kFeatures & kFeatureShadows) != 0u;
     vec3 radiance = vec3(0.0);
+    if (shadows)
+        radiance = reflectedFromShadowed(point, listed);
     for (uint word = 0u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word)
-        for (uint bits = listed[word]; bits != 0u; bits &= bits - 1u)
+        for (uint bits = shadows ? listed[word] & ~view.shadowed[word] : listed[word]; bits != 0u; bits &= bits - 1u)
             radiance += reflectedFrom(point, lights[32u * word + findLSB(bits)]);
     for (uint i = kListedLights; i < view.lightCount; ++i)
         radiance += reflectedFrom(point, lights[i]);

@@ -20,6 +20,7 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 using uint = std::uint32_t;
+using glm::abs;
 using glm::clamp;
 using glm::cross;
 using glm::dot;

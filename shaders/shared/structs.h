@@ -21,6 +21,12 @@ layout(buffer_reference) buffer NeedTotals;
 layout(buffer_reference) buffer Plans;
 layout(buffer_reference) buffer Jobs;
 layout(buffer_reference) buffer Marks;
+layout(buffer_reference) buffer DeformedVertices;
+layout(buffer_reference) buffer Influences;
+layout(buffer_reference) buffer MorphDeltas;
+layout(buffer_reference) buffer Matrices;
+layout(buffer_reference) buffer Floats;
+layout(buffer_reference) buffer Colours;
 #endif
 
 struct Vertex {
@@ -30,6 +36,18 @@ struct Vertex {
     vec2 uv;       // lit UVs: where its lumels are; unique, (0, 0) = upper left corner
     vec2 materialUv; // where the material's maps are read; equal to uv where the file's own are unique
     vec2 glowUv;     // the same for emission and occlusion
+};
+
+// How strongly a joint moves a vertex. A vertex's weights sum to 1.
+struct Influence {
+    uint joint;
+    float weight;
+};
+
+// What a morph target adds to a vertex at weight 1.
+struct MorphDelta {
+    uint target;
+    vec3 position, normal, tangent;
 };
 
 LUMEL_CONST uint kLightDirectional = 0u;
@@ -49,6 +67,30 @@ struct Light {
     uint changed; // frame in which it last moved or changed
 };
 
+// The surroundings, see shared/environment.h.
+struct EnvironmentView {
+    vec3 diffuse[9]; // of the quadric, scaled by the intensity
+    float intensity; // multiplies the texture
+    vec2 turn;       // cosine and sine of the rotation about +Y
+};
+
+// What shaders are compiled with (specialisation constant 0, see interface.glsl): software Vulkan runs both sides
+// of any other branch.
+LUMEL_CONST uint kFeatureEnvironment = 1u;
+LUMEL_CONST uint kFeatureShadows = 2u;
+LUMEL_CONST uint kFeatureColoured = 4u; // vertices have colours
+
+// Bits of JobTile::lights.
+LUMEL_CONST uint kListedLights = 256u;
+
+// A light's shadow map: a layer of the array. Each light costs a map's memory and up to four comparisons a lumel.
+LUMEL_CONST uint kMaxShadows = 8u;
+struct Shadow {
+    mat4 mapFromWorld; // xy: 0 to 1 over the map, z: depth
+    uint light;        // below kListedLights
+    float texel;       // metres, at a w of 1
+};
+
 // One camera of one frame.
 struct View {
     mat4 clipFromWorld;
@@ -62,6 +104,11 @@ struct View {
     uint frame;        // from 1
     float levelOffset; // levels that lit textures are coarser than one lumel a pixel
     LUMEL_ADDRESS(Objects) objects;
+    EnvironmentView environment;
+    uint shadowCount;
+    Shadow shadows[kMaxShadows];
+    uint shadowed[kListedLights / 32u]; // the lights that have a map, as in JobTile
+    mat4 worldFromClip; // for the background
 };
 
 LUMEL_CONST uint kMaxLevels = 14u; // 8192 lumels down to 1
@@ -70,6 +117,7 @@ LUMEL_CONST uint kObjectDoubleSided = 1u;
 LUMEL_CONST uint kObjectMask = 2u; // alpha below alphaCutoff is cut out
 LUMEL_CONST uint kObjectOwnMaterialUv = 4u; // its material UVs are not its lit UVs
 LUMEL_CONST uint kObjectLightable = 8u;     // it can be lit in texture space
+LUMEL_CONST uint kObjectUnlit = 16u; // its colour is what it emits
 
 struct Object {
     mat4 worldFromObject;
@@ -77,12 +125,14 @@ struct Object {
     LUMEL_ADDRESS(Vertices) vertices;
     LUMEL_ADDRESS(Indices) indices;
     LUMEL_ADDRESS(Texels) texels;  // the mesh's texel map, all levels
+    LUMEL_ADDRESS(Colours) colours; // of the vertices, RGBA in half floats; read where there are any only
     uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
     uvec2 litSize;                 // lumels of level 0, powers of two
     float materialLevelOffset;     // material level = lit level + this, where the UVs are the same
     float glowLevelOffset;         // levels that glow's texels are finer because of UVs of their own
     uint flags;                    // kObject...
     float alphaCutoff;
+    float dielectric;              // reflectance that vertex colours do not tint; < 0: they tint none
     uint changed;                  // frame in which it last moved
     // The lit texture that the object draws this frame: one layer of a pool block.
     uint mips;                    // 0: none, the object is drawn forward
@@ -134,7 +184,6 @@ LUMEL_CONST uint kFadeFrames = 8u;
 
 // A tile in the list of a job, with the lights that may reach it: bit i of word i / 32 is light i. Lights past
 // the last bit are taken to reach every tile.
-LUMEL_CONST uint kListedLights = 256u;
 struct JobTile {
     Tile tile;
     uint lights[kListedLights / 32u];
@@ -194,6 +243,20 @@ struct NeedTotal {
     uint elongations[kElongations];
 };
 
+// Of one mesh that joints or morph targets move.
+struct DeformPush {
+    LUMEL_ADDRESS(Vertices) rest;
+    LUMEL_ADDRESS(DeformedVertices) deformed;
+    LUMEL_ADDRESS(Influences) joints; // `influences` of each vertex
+    LUMEL_ADDRESS(Indices) firstDeltas; // of each vertex, and one more for the last's end
+    LUMEL_ADDRESS(MorphDeltas) deltas;
+    LUMEL_ADDRESS(Matrices) matrices; // of the skin's joints: from the mesh to where they take it
+    LUMEL_ADDRESS(Floats) weights;    // of the morph targets
+    uint vertexCount;
+    uint influences;
+    uint morphs; // 1: there are deltas
+};
+
 struct NeedPush {
     LUMEL_ADDRESS(Needs) needs;
     LUMEL_ADDRESS(NeedTotals) total;
@@ -201,6 +264,11 @@ struct NeedPush {
     float divisor; // full-size pixels per sample, per axis
     uint object;
     uvec2 size;    // samples
+};
+
+struct ShadowPush {
+    mat4 clipFromWorld;
+    uint object;
 };
 
 struct PlanPush {

@@ -55,6 +55,29 @@ TEST_F(Shot, UnknownCameraAndFormatFail)
     expectOneLine(run({"shot", "square.gltf", "-o", "out.docx"}), 1, "out.docx");
 }
 
+TEST_F(Shot, WhatIsNoEnvironmentFails)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    const auto shoot = [&](const char* file) {
+        return run({"shot", "square.gltf", "-o", "out.png", "--size", "32x18", "--environment", file});
+    };
+    expectOneLine(shoot("nowhere.hdr"), 1, "nowhere.hdr");
+    expectOneLine(shoot("sky.jpg"), 1, "sky.jpg");
+    writeText(folder_ / "poem.hdr", "Roses are red, this is no sky.\n");
+    expectOneLine(shoot("poem.hdr"), 1, "poem.hdr");
+    writeText(folder_ / "huge.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16000 +X 32000\n");
+    expectOneLine(shoot("huge.hdr"), 1, "huge.hdr");
+    writeImage(folder_ / "one.exr", Image(1, 1, 3));
+    expectOneLine(shoot("one.exr"), 1, "one.exr");
+    Image dark(8, 4, 3);
+    dark.pixels[5] = -1.0f;
+    writeImage(folder_ / "dark.exr", dark);
+    expectOneLine(shoot("dark.exr"), 1, "dark.exr");
+    EXPECT_FALSE(fs::exists(folder_ / "out.png"));
+    writeImage(folder_ / "black.exr", Image(8, 4, 3));
+    EXPECT_EQ(shoot("black.exr").exitCode, 0);
+}
+
 TEST_F(Shot, UsageErrorsExitWithTwo)
 {
     expectOneLine(run({"shot", "a.gltf", "--frobnicate", "-o", "out.png"}), 2, "--frobnicate");
@@ -110,6 +133,41 @@ TEST_F(Shot, FramesAlongAPath)
     const auto stats = nlohmann::json::parse(readText(folder_ / "s.json"));
     EXPECT_EQ(stats["frames"].size(), 3u);
     EXPECT_EQ(stats["options"]["path"], "orbit");
+}
+
+TEST_F(Shot, AMorphingSquareIsShownAtItsTime)
+{
+    auto document = squareScene(folder_ / "square.gltf");
+    // Its positions again: weight 1 makes it twice as large. Keys and weights are among the numbers of the
+    // file.
+    document["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 0}}};
+    document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 20}, {"byteLength", 8}});
+    document["accessors"].push_back(
+        {{"bufferView", 3}, {"componentType", 5126}, {"count", 2}, {"type", "SCALAR"}});
+    document["accessors"].push_back({{"componentType", 5126}, {"count", 2}, {"type", "SCALAR"}});
+    document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 12}, {"byteLength", 4}});
+    document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 80}, {"byteLength", 4}});
+    document["accessors"][4]["sparse"] = {
+        {"count", 1},
+        {"indices", {{"bufferView", 5}, {"byteOffset", 2}, {"componentType", 5123}}},
+        {"values", {{"bufferView", 4}}}};
+    document["animations"] = {
+        {{"samplers", {{{"input", 3}, {"output", 4}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}};
+    writeScene(folder_ / "square.gltf", document);
+    const auto shoot = [&](const char* seconds) {
+        const std::string out = std::string(seconds) + ".png";
+        const Outcome outcome = run({"shot", "square.gltf", "--size", "64x48", "--eye", "0,0,8", "--target",
+                                     "0,0,0", "--time", seconds, "-o", out});
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+        return readText(folder_ / out);
+    };
+    const std::string small = shoot("0");
+    EXPECT_TRUE(small == shoot("0"));
+    EXPECT_FALSE(small == shoot("0.5"));
+    document["accessors"][4]["count"] = 3;
+    writeScene(folder_ / "square.gltf", document);
+    expectOneLine(run({"shot", "square.gltf", "-o", "out.png"}), 1, "square.gltf");
 }
 
 TEST_F(Shot, WithoutANumberOnlyTheLastFrameIsWritten)

@@ -97,6 +97,37 @@ GltfBuilder quantised()
     return gltf;
 }
 
+// Two joints, two morph targets, colours, and animations of all of them.
+GltfBuilder bent()
+{
+    GltfBuilder gltf;
+    gltf.quad();
+    auto& attributes = gltf.primitive()["attributes"];
+    attributes["JOINTS_0"] =
+        gltf.accessor<uint8_t>({0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}, "VEC4", 5121, 4);
+    attributes["WEIGHTS_0"] = gltf.floats({1, 0, 0, 0, 0.5, 0.5, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}, "VEC4", 4);
+    attributes["COLOR_0"] = gltf.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1}, "VEC3", 3);
+    gltf.primitive()["targets"] = {{{"POSITION", 0}, {"NORMAL", 1}}, {{"POSITION", 1}}};
+    gltf.root["meshes"][0]["weights"] = {0.5, 1};
+    gltf.root["nodes"] = {
+        {{"mesh", 0}, {"skin", 0}, {"weights", {0, 1}}}, {{"children", {2}}}, {{"translation", {0, 1, 0}}}};
+    gltf.root["scenes"] = {{{"nodes", {0, 1}}}};
+    std::vector<float> inverses(32, 0.0f);
+    for (size_t i = 0; i < 32; i += 5)
+        inverses[i + i / 16] = 1.0f;
+    gltf.root["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", gltf.floats(inverses, "MAT4", 16)}}};
+    gltf.root["animations"] = {{{"samplers",
+                                 {{{"input", gltf.floats({0, 1}, "SCALAR", 1)},
+                                   {"output", gltf.floats({0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0}, "SCALAR", 1)},
+                                   {"interpolation", "CUBICSPLINE"}},
+                                  {{"input", gltf.floats({0, 1}, "SCALAR", 1)},
+                                   {"output", gltf.floats({0, 0, 0, 1, 0, 0, 1, 0}, "VEC4", 4)}}}},
+                                {"channels",
+                                 {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}},
+                                  {{"sampler", 1}, {"target", {{"node", 2}, {"path", "rotation"}}}}}}}};
+    return gltf;
+}
+
 void writeGltfSeeds(const std::filesystem::path& folder)
 {
     std::filesystem::create_directories(folder);
@@ -111,6 +142,7 @@ void writeGltfSeeds(const std::filesystem::path& folder)
     write(folder, "draco", draco);
     write(folder, "materials", materials());
     write(folder, "nodes", nodes());
+    write(folder, "bent", bent());
     write(folder, "quantised", quantised());
 }
 

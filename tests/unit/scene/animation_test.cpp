@@ -125,6 +125,20 @@ TEST_F(AnimatedGltf, MovesObjectsCamerasAndLightsThroughTheTree)
     expectNear(light.direction, {-1, 0, 0});
 }
 
+TEST_F(AnimatedGltf, InstancesKeepTheirPlacesUnderANodeThatMoves)
+{
+    gltf.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+        {"TRANSLATION", gltf.floats({1, 0, 0, 0, 0, 3}, "VEC3", 3)}};
+    const Scene scene = load();
+    ASSERT_EQ(scene.objects.size(), 3u);
+    const Pose pose = poseAt(scene.animation, 0.5);
+    const auto placeOf = [&](const Object& o) {
+        return glm::vec3((pose[size_t(o.node)] * o.nodeFromObject)[3]);
+    };
+    expectNear(placeOf(scene.objects[0]), {1, 2, 0});
+    expectNear(placeOf(scene.objects[1]), {0, 2, 3});
+}
+
 TEST_F(AnimatedGltf, StartsAgainAfterItsEndAndBeforeItsStart)
 {
     const Scene scene = load();

@@ -1,0 +1,42 @@
+// The meshes that bend, on the GPU: vertices of their own for each, and what moves them.
+#pragma once
+#include "gpu/resource.h"
+#include "scene/scene.h"
+
+namespace lumel {
+
+class DeformedMeshes {
+public:
+    DeformedMeshes() = default;
+    // restVertices: by mesh of the scene.
+    DeformedMeshes(const gpu::Device& device, const scene::Scene& scene,
+                   const std::vector<vk::DeviceAddress>& restVertices);
+
+    // By deformed mesh: have its vertices moved?
+    std::vector<uint8_t> set(const scene::Shapes& shapes);
+
+    struct Item {
+        gpu::Buffer vertices;
+        shared::DeformPush push{};
+        scene::Extents extents;
+        int skin = -1;
+        Bounds bounds;              // object space
+        bool mirrored = false;      // the joints flip triangle winding
+        bool stale = true;          // the vertices are not where they should be
+        std::vector<float> weights; // as last set
+    };
+    const std::vector<Item>& items() const { return items_; }
+    void markFresh(size_t item) { items_[item].stale = false; }
+
+private:
+    struct Source { // of a mesh
+        gpu::Buffer influences, firstDeltas, deltas;
+    };
+    gpu::Buffer matrices_, weights_; // of all skins, of all items
+    std::vector<size_t> firstMatrix_, firstWeight_;
+    std::vector<scene::Matrices> joints_; // by skin, as last set
+    std::vector<Source> sources_;
+    std::vector<Item> items_;
+};
+
+} // namespace lumel

@@ -1,0 +1,232 @@
+#include "shadow_pass.h"
+#include <algorithm>
+#include <array>
+
+namespace lumel {
+namespace {
+
+using shared::Light;
+
+// Spot lights this wide see nearly a half space, of which no plane map is a picture.
+constexpr float kWidestSpot = 1.4f; // radians, half angle
+
+Bounds worldBounds(const GpuObject& object)
+{
+    Bounds bounds;
+    for (int corner = 0; corner < 8; ++corner)
+        bounds.add(object.data.worldFromObject *
+                   glm::vec4(corner & 1 ? object.bounds.upper.x : object.bounds.lower.x,
+                             corner & 2 ? object.bounds.upper.y : object.bounds.lower.y,
+                             corner & 4 ? object.bounds.upper.z : object.bounds.lower.z, 1.0f));
+    return bounds;
+}
+
+glm::vec3 cornerOf(const Bounds& b, int corner)
+{
+    return {corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y,
+            corner & 4 ? b.upper.z : b.lower.z};
+}
+
+float halfAngleOf(const Light& light)
+{
+    return std::acos(std::clamp(-light.coneOffset / light.coneScale, -1.0f, 1.0f));
+}
+
+// Illuminance in the scene's middle, of lights that may have a shadow map; 0 for the others.
+float strengthOf(const Light& light, const Bounds& bounds)
+{
+    const float power = light.intensity.x + light.intensity.y + light.intensity.z;
+    if (light.type == shared::kLightDirectional)
+        return power;
+    if (light.type != shared::kLightSpot || halfAngleOf(light) > kWidestSpot)
+        return 0.0f;
+    return power / std::max(glm::distance(light.position, bounds.centre()), 0.1f * bounds.radius());
+}
+
+// The strongest lights in the order of the table, so that small changes do not swap maps.
+std::vector<uint32_t> chooseLights(std::span<const Light> lights, const Bounds& bounds)
+{
+    std::vector<std::pair<float, uint32_t>> ranking;
+    for (uint32_t i = 0; i < std::min<size_t>(lights.size(), shared::kListedLights); ++i)
+        if (const float strength = strengthOf(lights[i], bounds); strength > 0.0f)
+            ranking.emplace_back(-strength, i);
+    std::sort(ranking.begin(), ranking.end());
+    ranking.resize(std::min<size_t>(ranking.size(), shared::kMaxShadows));
+    std::vector<uint32_t> chosen;
+    for (const auto& [strength, light] : ranking)
+        chosen.push_back(light);
+    std::sort(chosen.begin(), chosen.end());
+    return chosen;
+}
+
+glm::mat4 lightFromWorld(const Light& light)
+{
+    const glm::vec3 up = std::abs(light.direction.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+    const glm::vec3 eye = light.type == shared::kLightDirectional ? glm::vec3(0.0f) : light.position;
+    return glm::lookAt(eye, eye + light.direction, up);
+}
+
+// All of the scene, whatever the camera sees: nothing moves in the map when the camera does.
+glm::mat4 clipFromWorldOf(const Light& light, const Bounds& bounds)
+{
+    const glm::mat4 fromWorld = lightFromWorld(light);
+    Bounds seen;
+    for (int corner = 0; corner < 8; ++corner)
+        seen.add(fromWorld * glm::vec4(cornerOf(bounds, corner), 1.0f));
+    const float slack = 0.01f * std::max(bounds.radius(), 1e-6f);
+    if (light.type == shared::kLightDirectional)
+        return reversedOrthographic(seen.lower - slack, seen.upper + slack) * fromWorld;
+    const float farthest = std::max(-seen.lower.z, 1e-6f);
+    // A little wider than the cone, for the filter.
+    return reversedPerspective(2.0f * halfAngleOf(light) + 0.03f, 1.0f, 0.005f * farthest) * fromWorld;
+}
+
+// World metres a texel: everywhere for a sun, at a distance of 1 for a spot light.
+float texelOf(const glm::mat4& clipFromWorld, uint32_t size)
+{
+    // The lengths of the rows that give clip x and y; the greater texel counts.
+    const glm::mat4 rows = glm::transpose(clipFromWorld);
+    const float scale = std::min(glm::length(glm::vec3(rows[0])), glm::length(glm::vec3(rows[1])));
+    return 2.0f / (scale * float(size));
+}
+
+} // namespace
+
+ShadowPass::ShadowPass(const gpu::Device& device, GpuScene& scene)
+    : sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
+                                 .minFilter = vk::Filter::eLinear,
+                                 .addressModeU = vk::SamplerAddressMode::eClampToBorder,
+                                 .addressModeV = vk::SamplerAddressMode::eClampToBorder,
+                                 .compareEnable = VK_TRUE,
+                                 .compareOp = vk::CompareOp::eGreaterOrEqual,
+                                 .borderColor = vk::BorderColor::eFloatOpaqueBlack}), // infinitely far: lit
+      solid_(gpu::makeGraphicsPipeline(device, {.vertex = "shadow.vert",
+                                                .sets = {*scene.frameLayout()},
+                                                .pushBytes = sizeof(shared::ShadowPush),
+                                                .color = vk::Format::eUndefined}))
+{
+    allocate(device, scene, 1, 1);
+}
+
+void ShadowPass::allocate(const gpu::Device& device, GpuScene& scene, uint32_t size, uint32_t layers)
+{
+    if (maps_ && maps_.info().width == size && maps_.info().layers == layers)
+        return;
+    layers_.clear();
+    known_.clear();
+    using Usage = vk::ImageUsageFlagBits;
+    maps_ = gpu::Image(device,
+                       {.format = vk::Format::eD32Sfloat,
+                        .width = size,
+                        .height = size,
+                        .layers = layers,
+                        .usage = Usage::eDepthStencilAttachment | Usage::eSampled,
+                        .arrayView = true},
+                       "shadow maps");
+    for (uint32_t layer = 0; layer < layers; ++layer)
+        layers_.push_back(maps_.layerView(device, layer));
+    device.runOnce([&](vk::CommandBuffer commands) {
+        gpu::imageBarrier(commands, maps_.handle(), maps_.aspect(), gpu::Use::undefined,
+                          gpu::Use::shaderSample);
+    });
+    scene.bindShadows(device, *sampler_, maps_.view());
+}
+
+void ShadowPass::prepare(const gpu::Device& device, GpuScene& scene, const Settings& settings, uint32_t frame)
+{
+    uint32_t moved = 0;
+    for (const GpuObject& object : scene.objects()) {
+        if (!object.casts)
+            continue;
+        moved = std::max(moved, object.data.changed);
+        const Bounds bounds = worldBounds(object);
+        bounds_.add(bounds.lower);
+        bounds_.add(bounds.upper);
+    }
+    std::vector<uint32_t> chosen;
+    if (settings.shadows && !bounds_.empty())
+        chosen = chooseLights(scene.lights(), bounds_);
+    if (!chosen.empty())
+        allocate(device, scene, settings.shadowSize, uint32_t(chosen.size()));
+    std::vector<shared::Shadow> shadows;
+    known_.resize(chosen.size());
+    for (size_t i = 0; i < chosen.size(); ++i) {
+        const Light& light = scene.lights()[chosen[i]];
+        const glm::mat4 clip = clipFromWorldOf(light, bounds_);
+        Map& map = known_[i];
+        if (map.light != chosen[i] || map.clipFromWorld != clip || moved > map.rendered || !map.rendered) {
+            map = {.light = chosen[i], .clipFromWorld = clip, .rendered = frame, .current = false};
+            scene.touchLight(map.light, frame);
+        }
+        const glm::mat4 mapFromClip(0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 1, 0, 0.5f, 0.5f, 0, 1);
+        shadows.push_back({.mapFromWorld = mapFromClip * clip,
+                           .light = chosen[i],
+                           .texel = texelOf(clip, settings.shadowSize)});
+    }
+    scene.setShadows(shadows, frame);
+}
+
+const gpu::Pipeline& ShadowPass::pipelineOf(const Frame& frame, const GpuObject& object)
+{
+    if (!(object.data.flags & shared::kObjectMask))
+        return solid_;
+    // Vertex colours have a say in what alpha cuts out; what lights the object has none.
+    const uint32_t features = object.coloured ? shared::kFeatureColoured : 0u;
+    gpu::Pipeline& masked = masked_[features];
+    if (!*masked.handle)
+        masked = gpu::makeGraphicsPipeline(
+            frame.device, {.vertex = "shadow.vert",
+                           .fragment = "shadow.frag",
+                           .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
+                           .pushBytes = sizeof(shared::ShadowPush),
+                           .color = vk::Format::eUndefined,
+                           .features = features});
+    return masked;
+}
+
+void ShadowPass::drawCaster(Frame& frame, const Map& map, size_t object)
+{
+    const GpuObject& o = frame.scene.objects()[object];
+    const gpu::Pipeline& pipeline = pipelineOf(frame, o);
+    if (o.data.flags & shared::kObjectMask)
+        bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline, {*o.material->set});
+    else
+        bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline);
+    pushConstants(frame.commands, pipeline,
+                  shared::ShadowPush{.clipFromWorld = map.clipFromWorld, .object = uint32_t(object)});
+    frame.scene.drawTriangles(frame.commands, object);
+}
+
+void ShadowPass::record(Frame& frame)
+{
+    if (std::ranges::all_of(known_, [](const Map& map) { return map.current; }))
+        return;
+    const PassScope scope(frame, "shadow");
+    const vk::CommandBuffer commands = frame.commands;
+    gpu::imageBarrier(commands, maps_.handle(), maps_.aspect(), gpu::Use::shaderSample, gpu::Use::depthWrite);
+    std::vector<std::array<uint32_t, shared::kListedLights / 32>> reaching; // by object
+    for (size_t object = 0; object < frame.scene.objects().size(); ++object)
+        reaching.push_back(frame.scene.lightsReaching(object));
+    for (size_t i = 0; i < known_.size(); ++i) {
+        Map& map = known_[i];
+        if (std::exchange(map.current, true))
+            continue;
+        const vk::RenderingAttachmentInfo depth{.imageView = *layers_[i],
+                                                .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
+                                                .loadOp = vk::AttachmentLoadOp::eClear,
+                                                .storeOp = vk::AttachmentStoreOp::eStore,
+                                                .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
+        commands.beginRendering(
+            {.renderArea = {{0, 0}, maps_.extent()}, .layerCount = 1, .pDepthAttachment = &depth});
+        setViewport(commands, maps_.extent());
+        const std::vector<uint8_t> inMap = frame.scene.objectsInView(map.clipFromWorld);
+        for (size_t object = 0; object < inMap.size(); ++object)
+            if (inMap[object] && frame.scene.objects()[object].casts &&
+                (reaching[object][map.light / 32] >> map.light % 32 & 1u))
+                drawCaster(frame, map, object);
+        commands.endRendering();
+    }
+    gpu::imageBarrier(commands, maps_.handle(), maps_.aspect(), gpu::Use::depthWrite, gpu::Use::shaderSample);
+}
+
+} // namespace lumel

@@ -1,0 +1,35 @@
+// Shadow maps: how far the strongest sun and spot lights reach, rendered when a light or an object changes.
+#pragma once
+#include "frame_context.h"
+
+namespace lumel {
+
+class ShadowPass {
+public:
+    ShadowPass(const gpu::Device& device, GpuScene& scene);
+    // Chooses the lights, and finds which maps are out of date: their lights count as changed. Call when no
+    // frame is in flight, before the view is written.
+    void prepare(const gpu::Device& device, GpuScene& scene, const Settings& settings, uint32_t frame);
+    void record(Frame& frame);
+
+private:
+    struct Map {
+        uint32_t light = 0;
+        glm::mat4 clipFromWorld{0.0f};
+        uint32_t rendered = 0; // frame
+        bool current = false;
+    };
+    void allocate(const gpu::Device& device, GpuScene& scene, uint32_t size, uint32_t layers);
+    void drawCaster(Frame& frame, const Map& map, size_t object);
+    const gpu::Pipeline& pipelineOf(const Frame& frame, const GpuObject& object);
+
+    vk::raii::Sampler sampler_;
+    gpu::Image maps_; // an array, a layer for each light
+    std::vector<vk::raii::ImageView> layers_;
+    std::vector<Map> known_;
+    Bounds bounds_; // of all that casts, wherever they have been: maps that follow each move would shimmer
+    gpu::Pipeline solid_;
+    std::map<uint32_t, gpu::Pipeline> masked_; // by features, made when first needed
+};
+
+} // namespace lumel

@@ -1,0 +1,19 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// What alpha cuts out of a surface casts no shadow.
+#include "lib/footprint.glsl"
+#include "lib/surface.glsl"
+
+layout(push_constant, scalar) uniform Constants { ShadowPush push; };
+layout(location = 0) in vec2 materialUv;
+layout(location = 1) in float tintOpacity;
+
+void main()
+{
+    float level = footprintOf(dFdx(materialUv), dFdy(materialUv), vec2(textureSize(mapNormal, 0)), 1.0).level;
+    float opacity = sampleBeside(mapOpacity, materialUv, max(level, 0.0)).x;
+    if (kColoured)
+        opacity *= tintOpacity;
+    if (opacity < objectAt(push.object).at.alphaCutoff)
+        discard;
+}

@@ -1,0 +1,21 @@
+// Vertex colours: they multiply a material's base colour (glTF 2.0, section 3.9.2), but what is baked is the
+// reflectance made of it.
+#ifndef LUMEL_SHARED_TINT_H
+#define LUMEL_SHARED_TINT_H
+#include "compat.h"
+LUMEL_SHARED_BEGIN
+
+// The specular reflectance Ks of a material whose base colour b is multiplied by `colour`. `dielectric`: the
+// reflectance d of what is not metal. Of a surface that is metal by the share m, Ks = d (1 - m) + b m and
+// Kd = b (1 - m), so its colourless part s = d (1 - m) solves s^2 - (Ks + Kd) s + d Kd = 0. What reflects no more
+// than d is taken for no metal at all.
+LUMEL_FN float tintedSpecular(float specular, float diffuse, float dielectric, float colour)
+{
+    float sum = specular + diffuse;
+    float own = 0.5f * (sum - sqrt(max(sum * sum - 4.0f * dielectric * diffuse, 0.0f)));
+    own = specular <= dielectric ? specular : min(own, specular);
+    return own + (specular - own) * colour;
+}
+
+LUMEL_SHARED_END
+#endif
