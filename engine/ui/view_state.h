@@ -44,7 +44,7 @@ struct ViewState {
     scene::ViewCamera camera;
     std::vector<scene::Light> lights;
     bool lightsEdited = false;
-    std::string environment; // none, sky or a file
+    std::string environment;        // none, sky or a file
     std::optional<size_t> selected; // object
     bool materialTab = false;       // the inspector is looked at
     glm::vec2 cursor{-1.0f};        // in the picture; negative: elsewhere
