@@ -73,7 +73,7 @@ void addSettings(Options& options, const Settings& s)
 } // namespace
 
 std::string shotCommand(const SceneArguments& a, const scene::ViewCamera& camera,
-                        const std::filesystem::path& output)
+                        std::optional<double> seconds, const std::filesystem::path& output)
 {
     const SceneArguments usual;
     Options options;
@@ -88,6 +88,8 @@ std::string shotCommand(const SceneArguments& a, const scene::ViewCamera& camera
     } else if (!a.camera.empty()) {
         options.set("--camera", a.camera);
     }
+    if (seconds)
+        options.set("--time", fmt::format("{}", *seconds));
     if (a.environment == "none" || a.environment == "sky")
         options.set("--environment", a.environment);
     else if (!a.environment.empty())

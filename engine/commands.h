@@ -95,6 +95,7 @@ struct ViewArguments : SceneArguments {
     Shading rightShading = Shading::reference;
     baker::Method rightFilter = baker::Method::fit;
     bool panels = true;
+    std::optional<double> seconds; // of the animation, which then stands still
 };
 // Throws Error without a display, or when the first scene cannot be shown.
 void runView(const ViewArguments& arguments);

@@ -31,6 +31,8 @@ void addView(CLI::App& app, ViewArguments& a)
         ->transform(CLI::CheckedTransformer(kPresentModes).description(""))
         ->default_str("fifo");
     command->add_flag("!--no-panels", a.panels, "hide the panels; H shows them");
+    command->add_option("--time", a.seconds,
+                        "second of the scene's animation to show; without it, the animation plays");
     command->add_flag("--list-devices", a.listDevices, "print the Vulkan devices by index, and end");
 }
 

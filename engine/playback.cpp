@@ -43,12 +43,17 @@ void Playback::apply(Renderer& renderer, int frame) const
         renderer.setLights(lights_);
         return;
     }
-    const scene::Pose pose = poseOf(frame);
+    pose(renderer, secondsOf(frame));
+}
+
+void Playback::pose(Renderer& renderer, double seconds) const
+{
+    const scene::Pose pose = poseAt(animation_, seconds);
     renderer.setLights(moved(lights_, pose));
     for (const MovingObject& moving : movingObjects_)
         renderer.moveObject(moving.object, pose[size_t(moving.node)] * moving.nodeFromObject);
     if (!deformed_.empty())
-        renderer.bend(shapesAt(skins_, deformed_, animation_, secondsOf(frame)));
+        renderer.bend(shapesAt(skins_, deformed_, animation_, seconds));
 }
 
 } // namespace lumel

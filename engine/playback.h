@@ -26,6 +26,8 @@ public:
     // Puts the lights and the objects that move where they belong in this frame. The renderer's objects are
     // those of the scene.
     void apply(Renderer& renderer, int frame) const;
+    // The same for any time of the animation.
+    void pose(Renderer& renderer, double seconds) const;
     void setLights(std::vector<scene::Light> lights) { lights_ = std::move(lights); }
 
 private:

@@ -48,10 +48,14 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     Slot first{.renderer = std::make_unique<Renderer>(device_, *loaded.scene, *loaded.materials, settings),
                .method = loaded.options.method,
                .camera = {},
+               .seconds = {},
                .stats = {}};
     slots_ = {};
     slots_[0] = std::move(first);
     scene_ = loaded.scene;
+    playback_.reset();
+    if (scene_->animation.seconds > 0.0)
+        playback_.emplace(*scene_, scene::Camera{}, PathOptions{});
     materials_ = {{loaded.options.method, loaded.materials}};
     lights_.reset();
     environment_.reset();
@@ -91,6 +95,13 @@ void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Metho
             slot.renderer->setEnvironment(*environment_);
         if (lights_)
             slot.renderer->setLights(*lights_);
+    }
+    if (playback_ && state.seconds && slot.seconds != state.seconds) {
+        playback_->pose(*slot.renderer, *state.seconds);
+        if (lights_) // lights put where they are by hand stay there
+            slot.renderer->setLights(*lights_);
+        slot.seconds = state.seconds;
+        slot.rendered = false;
     }
     if (!sameSettings(slot.renderer->settings(), settings) || !sameCamera(slot.camera, state.camera.camera()))
         slot.rendered = false;

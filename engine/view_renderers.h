@@ -1,6 +1,6 @@
 // The viewer's renderers: one for each side of the split, one for the reference that both are measured by.
 #pragma once
-#include "frame.h"
+#include "playback.h"
 #include "scene/loader.h"
 #include "ui/view_state.h"
 
@@ -50,6 +50,7 @@ private:
         baker::Method method = baker::Method::fit;
         bool rendered = false; // what it was last asked for
         scene::Camera camera;
+        std::optional<double> seconds; // of the animation; nothing: as the file's nodes stand
         FrameStats stats;
     };
     static constexpr size_t kReference = 2;
@@ -62,6 +63,7 @@ private:
 
     const gpu::Device& device_;
     std::shared_ptr<const scene::Scene> scene_;
+    std::optional<Playback> playback_; // of a scene that is animated
     std::map<baker::Method, std::shared_ptr<const std::vector<scene::BakedMaterial>>> materials_;
     std::array<Slot, 3> slots_;
     std::array<bool, 2> isReference_{}; // what the sides show

@@ -18,6 +18,7 @@ namespace {
 
 constexpr size_t kHistory = 240; // frames in the graph
 constexpr double kMessageSeconds = 6.0;
+constexpr double kAnimationStep = 1.0 / 30.0; // seconds
 
 } // namespace
 
@@ -91,7 +92,7 @@ bool Viewer::idle() const
     if (minimised)
         return true;
     return !loader_.busy() && !inspector_.busy() && !frontend_.input->any() &&
-           (renderers_->finished() || state_.paused);
+           ((renderers_->finished() && !state_.playing) || state_.paused);
 }
 
 void Viewer::frame()
@@ -116,6 +117,7 @@ void Viewer::frame()
     loadMissing();
     if (glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) == 0) {
         state_.settings.size = pictureSize(layout);
+        play(seconds);
         render();
         inspect(layout);
         show(layout);
@@ -128,6 +130,18 @@ glm::uvec2 Viewer::pictureSize(const ui::Layout& layout) const
     const ImVec2 ratio = ImGui::GetIO().DisplayFramebufferScale;
     return glm::clamp(glm::uvec2(layout.picture.x * ratio.x, layout.picture.y * ratio.y), glm::uvec2(1u),
                       glm::uvec2(8192u));
+}
+
+// The animation keeps to the clock in whole steps, and goes on where it was after a wait.
+void Viewer::play(double seconds)
+{
+    const auto scene = renderers_->scene();
+    if (!state_.playing || !scene || scene->animation.seconds <= 0.0)
+        return;
+    if (state_.paused)
+        seconds = state_.step ? kAnimationStep : 0.0;
+    played_ = state_.seconds ? played_ + std::min(seconds, 0.25) : 0.0;
+    state_.seconds = kAnimationStep * std::floor(played_ / kAnimationStep + 1e-6);
 }
 
 void Viewer::render()

@@ -33,6 +33,7 @@ private:
 
     void frame();
     bool idle() const;
+    void play(double seconds);
     void render();
     void show(const ui::Layout& layout);
     void inspect(const ui::Layout& layout);
@@ -76,6 +77,7 @@ private:
     std::string environmentName_;
     int screenshots_ = 0;
     double lastFrame_ = 0.0; // seconds
+    double played_ = 0.0;    // seconds of the animation
     std::string title_;
     std::array<int, 4> windowed_{}; // place and size before full screen
 };

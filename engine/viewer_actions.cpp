@@ -121,7 +121,7 @@ void Viewer::copyCommand()
         const char* const name = !state_.split ? "lumel.png"
                                  : side == 0   ? "lumel-left.png"
                                                : "lumel-right.png";
-        text += shotCommand(argumentsOf(side), state_.camera, name) + "\n";
+        text += shotCommand(argumentsOf(side), state_.camera, state_.seconds, name) + "\n";
     }
     glfwSetClipboardString(frontend_.window, text.c_str());
     say("copied: " + text.substr(0, text.size() - 1));
@@ -140,7 +140,7 @@ void Viewer::takeScreenshot(const char* extension)
         const char* const suffix = !state_.split ? "" : side == 0 ? "-left" : "-right";
         const std::filesystem::path file = stem + suffix + extension;
         writeImage(file, renderers_->screenshot(state_, side, std::string_view(extension) == ".exr"));
-        commands += shotCommand(argumentsOf(side), state_.camera, file) + "\n";
+        commands += shotCommand(argumentsOf(side), state_.camera, state_.seconds, file) + "\n";
         names += (names.empty() ? "" : ", ") + file.string();
     }
     writeFileAtomically(stem + ".txt", commands);
@@ -233,6 +233,10 @@ void Viewer::finishLoading()
         }
         state_.lightsEdited = false;
         state_.selected.reset();
+        const bool animated = renderers_->scene()->animation.seconds > 0.0;
+        state_.seconds = first && animated ? arguments_.seconds : std::nullopt;
+        state_.playing = animated && !state_.seconds;
+        played_ = state_.seconds.value_or(0.0);
         environment_ = renderers_->scene()->environment;
         state_.environment = !arguments_.environment.empty() ? arguments_.environment
                              : environment_                  ? "sky"

@@ -97,6 +97,9 @@ void Input::onKey(ViewState& state, const Event& event)
     case GLFW_KEY_PERIOD:
         state.paused = state.step = true;
         break;
+    case GLFW_KEY_P:
+        state.playing = !state.playing;
+        break;
     case GLFW_KEY_H:
         state.panels = !state.panels;
         break;

@@ -39,7 +39,9 @@ struct ViewState {
     float splitAt = 0.5f; // share of the picture's width
     bool panels = true, help = false;
     bool paused = false, step = false;
-    bool restless = false; // render also when nothing changes
+    bool playing = false;          // the scene's animation, again and again
+    std::optional<double> seconds; // of the animation; nothing: as the file's nodes stand
+    bool restless = false;         // render also when nothing changes
     gpu::PresentMode presentMode = gpu::PresentMode::fifo;
     scene::ViewCamera camera;
     std::vector<scene::Light> lights;

@@ -34,24 +34,11 @@ protected:
     void writeMovingScene()
     {
         json scene = squareScene(folder_ / "moving.gltf");
-        const float numbers[] = {0, 2, 0, 0, 3, 0, 0.6f, 3};
-        std::string bin = readText(folder_ / "moving.bin");
-        scene["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", 8}});
-        scene["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bin.size() + 8}, {"byteLength", 24}});
-        bin.append(reinterpret_cast<const char*>(numbers), sizeof numbers);
-        writeText(folder_ / "moving.bin", bin);
-        scene["buffers"][0]["byteLength"] = bin.size();
-        scene["accessors"].push_back(
-            {{"bufferView", 3}, {"componentType", 5126}, {"count", 2}, {"type", "SCALAR"}});
-        scene["accessors"].push_back(
-            {{"bufferView", 4}, {"componentType", 5126}, {"count", 2}, {"type", "VEC3"}});
         scene["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}};
         scene["nodes"].push_back({{"name", "flight"}, {"camera", 0}, {"translation", {0, 0, 3}}});
         scene["nodes"].push_back({{"name", "fixed"}, {"camera", 0}, {"translation", {0, 0, 3}}});
         scene["scenes"][0]["nodes"] = {0, 1, 2};
-        scene["animations"] = {
-            {{"samplers", {{{"input", 3}, {"output", 4}}}},
-             {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}}}};
+        addMotion(scene, folder_ / "moving.gltf", 1, {0, 0, 3}, {0, 0.6f, 3});
         writeScene(folder_ / "moving.gltf", scene);
     }
 };

@@ -61,6 +61,27 @@ nlohmann::json squareScene(const std::filesystem::path& gltf)
     return document;
 }
 
+void addMotion(nlohmann::json& document, const std::filesystem::path& gltf, int node,
+               std::array<float, 3> from, std::array<float, 3> to)
+{
+    const float numbers[] = {0, 2, from[0], from[1], from[2], to[0], to[1], to[2]};
+    const std::filesystem::path file = gltf.parent_path() / (gltf.stem().string() + ".bin");
+    std::string bin = readText(file);
+    auto& views = document["bufferViews"];
+    auto& accessors = document["accessors"];
+    const size_t view = views.size(), accessor = accessors.size();
+    views.push_back({{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", 8}});
+    views.push_back({{"buffer", 0}, {"byteOffset", bin.size() + 8}, {"byteLength", 24}});
+    bin.append(reinterpret_cast<const char*>(numbers), sizeof numbers);
+    writeText(file, bin);
+    document["buffers"][0]["byteLength"] = bin.size();
+    accessors.push_back({{"bufferView", view}, {"componentType", 5126}, {"count", 2}, {"type", "SCALAR"}});
+    accessors.push_back({{"bufferView", view + 1}, {"componentType", 5126}, {"count", 2}, {"type", "VEC3"}});
+    document["animations"] = {
+        {{"samplers", {{{"input", accessor}, {"output", accessor + 1}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", "translation"}}}}}}}};
+}
+
 void writeScene(const std::filesystem::path& gltf, const nlohmann::json& document)
 {
     writeText(gltf, document.dump());

@@ -1,5 +1,6 @@
 // Small inputs made on the spot.
 #pragma once
+#include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,9 @@ void writeHeightMap(const std::filesystem::path& file, int width, int height);
 
 // One textured square, 2 m wide, facing +Z, with its buffer beside it (<stem>.bin)..
 nlohmann::json squareScene(const std::filesystem::path& gltf);
+// Moves a node of such a scene from a place to another in two seconds; the keys go into <stem>.bin.
+void addMotion(nlohmann::json& document, const std::filesystem::path& gltf, int node,
+               std::array<float, 3> from, std::array<float, 3> to);
 void writeScene(const std::filesystem::path& gltf, const nlohmann::json& document);
 
 } // namespace lumel::cli

@@ -199,6 +199,27 @@ TEST_F(View, ShowsWhatTheCopiedCommandRenders)
     EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
 }
 
+TEST_F(View, PlaysAnimationsAndCopiesTheirSecond)
+{
+    nlohmann::json scene = cli::squareScene(folder_ / "moves.gltf");
+    cli::addMotion(scene, folder_ / "moves.gltf", 0, {0, 0, 0}, {0.5f, 0, 0});
+    cli::writeScene(folder_ / "moves.gltf", scene);
+    start({"moves.gltf", "--size", "700x300", "--validate"});
+    ASSERT_NE(display->find("moves.gltf - Lumel"), 0u) << log();
+    const Image first = screenshot(); // equal to what its command renders, --time included
+    EXPECT_NE(readText(folder_ / "lumel-001.txt").find("--time "), std::string::npos);
+    pause(300);
+    EXPECT_NE(screenshot().pixels, first.pixels); // it goes on
+    display->key("p");
+    pause(300);
+    const Image stopped = screenshot();
+    pause(300);
+    EXPECT_EQ(screenshot().pixels, stopped.pixels);
+    display->key("q", {"Control_L"});
+    EXPECT_EQ(finish(), 0) << log();
+    EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
+}
+
 TEST_F(View, TakesDropsAndKeepsTheOldSceneWhenOneFails)
 {
     start({"first.gltf", "--size", "700x300", "--validate"});
