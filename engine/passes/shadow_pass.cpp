@@ -10,21 +10,18 @@ using shared::Light;
 // Spot lights this wide see nearly a half space, of which no plane map is a picture.
 constexpr float kWidestSpot = 1.4f; // radians, half angle
 
-Bounds worldBounds(const GpuObject& object)
-{
-    Bounds bounds;
-    for (int corner = 0; corner < 8; ++corner)
-        bounds.add(object.data.worldFromObject *
-                   glm::vec4(corner & 1 ? object.bounds.upper.x : object.bounds.lower.x,
-                             corner & 2 ? object.bounds.upper.y : object.bounds.lower.y,
-                             corner & 4 ? object.bounds.upper.z : object.bounds.lower.z, 1.0f));
-    return bounds;
-}
-
 glm::vec3 cornerOf(const Bounds& b, int corner)
 {
     return {corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y,
             corner & 4 ? b.upper.z : b.lower.z};
+}
+
+Bounds worldBounds(const GpuObject& object)
+{
+    Bounds bounds;
+    for (int corner = 0; corner < 8; ++corner)
+        bounds.add(object.data.worldFromObject * glm::vec4(cornerOf(object.bounds, corner), 1.0f));
+    return bounds;
 }
 
 float halfAngleOf(const Light& light)
