@@ -4,15 +4,16 @@
 #include "lib/geometry.glsl"
 
 layout(push_constant, scalar) uniform Constants { ShadowPush push; };
+layout(location = kAttributePosition) in vec3 position;
+layout(location = kAttributeMaterialUv) in vec4 vertexMaterialUv;
+layout(location = kAttributeWorld) in mat4 worldFromObject;
 layout(location = 0) out vec2 materialUv;
 layout(location = 1) out float tintOpacity;
 
 void main()
 {
-    ObjectAt object = objectAt(push.object);
-    Vertex vertex = object.at.vertices.at[gl_VertexIndex];
-    materialUv = vertex.materialUv;
+    materialUv = vertexMaterialUv.xy;
     if (kColoured)
-        tintOpacity = vertexColour(object, gl_VertexIndex).a;
-    gl_Position = push.clipFromWorld * (object.at.worldFromObject * vec4(vertex.position, 1.0));
+        tintOpacity = vertexColour(objectAt(push.object), gl_VertexIndex).a;
+    gl_Position = push.clipFromWorld * (worldFromObject * vec4(position, 1.0));
 }

@@ -167,7 +167,9 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
                                                          .module = *fragment,
                                                          .pName = "main",
                                                          .pSpecializationInfo = &constants.info}};
-    const vk::PipelineVertexInputStateCreateInfo noInput;
+    const auto input = vk::PipelineVertexInputStateCreateInfo{}
+                           .setVertexBindingDescriptions(info.bindings)
+                           .setVertexAttributeDescriptions(info.attributes);
     const vk::PipelineInputAssemblyStateCreateInfo triangles{.topology =
                                                                  vk::PrimitiveTopology::eTriangleList};
     const vk::PipelineViewportStateCreateInfo viewport{.viewportCount = 1, .scissorCount = 1};
@@ -202,7 +204,7 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
                            vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
                                                           .stageCount = info.fragment.empty() ? 1u : 2u,
                                                           .pStages = stages,
-                                                          .pVertexInputState = &noInput,
+                                                          .pVertexInputState = &input,
                                                           .pInputAssemblyState = &triangles,
                                                           .pViewportState = &viewport,
                                                           .pRasterizationState = &raster,

@@ -32,6 +32,8 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
 
 struct GraphicsInfo {
     std::string vertex, fragment{}; // without a fragment shader: depth alone
+    std::vector<vk::VertexInputBindingDescription> bindings{};
+    std::vector<vk::VertexInputAttributeDescription> attributes{};
     std::vector<vk::DescriptorSetLayout> sets{};
     uint32_t pushBytes = 0;
     vk::Format color = vk::Format::eR16G16B16A16Sfloat; // eUndefined: none
@@ -42,8 +44,7 @@ struct GraphicsInfo {
     bool blend = false;      // over, straight alpha; equal depth passes, none is written
     bool background = false; // at infinity, where nothing else is drawn
 };
-// Indexed triangle list without vertex input (shaders pull vertices), reversed depth in D32, dynamic
-// viewport, scissor, cull mode and front face.
+// Triangle list, reversed depth in D32, dynamic viewport, scissor, cull mode and front face.
 Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info);
 
 } // namespace lumel::gpu

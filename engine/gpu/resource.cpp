@@ -13,7 +13,7 @@ Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string&
     buffer_ = vk::raii::Buffer(device.handle(),
                                {.size = size_,
                                 .usage = Usage::eStorageBuffer | Usage::eIndirectBuffer |
-                                         Usage::eIndexBuffer | Usage::eUniformBuffer | Usage::eTransferSrc |
+                                         Usage::eIndexBuffer | Usage::eVertexBuffer | Usage::eUniformBuffer | Usage::eTransferSrc |
                                          Usage::eTransferDst | Usage::eShaderDeviceAddress});
     using Property = vk::MemoryPropertyFlagBits;
     const auto wanted = home == Home::host ? Property::eHostVisible | Property::eHostCoherent

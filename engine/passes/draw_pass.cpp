@@ -1,4 +1,5 @@
 #include "draw_pass.h"
+#include "vertex_input.h"
 #include <algorithm>
 
 namespace lumel {
@@ -14,6 +15,11 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
         return pipeline;
     gpu::GraphicsInfo info{.vertex = "surface.vert",
                            .fragment = "forward.frag",
+                           .bindings = kMeshBindings,
+                           .attributes = meshAttributes(
+                               {shared::kAttributePosition, shared::kAttributeNormal, shared::kAttributeTangent,
+                                shared::kAttributeUv, shared::kAttributeMaterialUv, shared::kAttributeWorld,
+                                shared::kAttributeWorldNormal}),
                            .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
                            .pushBytes = sizeof(shared::ForwardPush),
                            .samples =
@@ -22,12 +28,17 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
                            .filter = filter,
                            .blend = kind == Kind::blended};
     if (kind == Kind::lit) {
+        info.vertex = "lit.vert";
         info.fragment = "draw.frag";
+        info.attributes = meshAttributes(
+            {shared::kAttributePosition, shared::kAttributeUv, shared::kAttributeWorld});
         info.sets = {*frame.scene.frameLayout(), *pool.layout()};
         info.pushBytes = sizeof(shared::LitPush);
     } else if (kind == Kind::background) {
         info.vertex = "background.vert";
         info.fragment = "background.frag";
+        info.bindings = {};
+        info.attributes = {};
         info.sets = {*frame.scene.frameLayout()};
         info.pushBytes = 0;
         info.background = true;
@@ -35,6 +46,8 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
         info.fragment = "view.frag";
         info.pushBytes = sizeof(shared::ViewPush);
     } else if (kind == Kind::pool) {
+        info.bindings = {};
+        info.attributes = {};
         info.vertex = "pool.vert";
         info.fragment = "pool.frag";
         info.sets = {*frame.scene.frameLayout(), *pool.layout()};

@@ -326,6 +326,8 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     const GpuMaterial& gpuMaterial = materials_[size_t(object.material)];
     GpuObject result;
     result.material = &gpuMaterial;
+    result.vertices = object.deformed >= 0 ? deformed_.items()[size_t(object.deformed)].vertices.handle()
+                                           : meshes_[size_t(object.mesh)].vertices.handle();
     result.indices = meshes_[size_t(object.mesh)].indices.handle();
     result.indexCount = uint32_t(mesh.indices.size());
     result.bounds = mesh.bounds;
@@ -448,7 +450,8 @@ void GpuScene::drawTriangles(vk::CommandBuffer commands, size_t object) const
     commands.setFrontFace(o.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
     // Indexed, so that a vertex which triangles share is transformed once.
     commands.bindIndexBuffer(o.indices, 0, vk::IndexType::eUint32);
-    commands.drawIndexed(o.indexCount, 1, 0, 0, 0);
+    commands.bindVertexBuffers(0, {o.vertices, objectTable_.handle()}, {0, 0});
+    commands.drawIndexed(o.indexCount, 1, 0, 0, uint32_t(object));
 }
 
 } // namespace lumel

@@ -33,7 +33,7 @@ struct GpuObject {
     shared::Object data; // everything but the frame's lit texture
     const GpuMaterial* material = nullptr;
     const GpuTexelMap* texelMap = nullptr; // null: not to be lit in texture space
-    vk::Buffer indices;
+    vk::Buffer vertices, indices;
     uint32_t indexCount = 0;
     Bounds bounds;     // object space
     int deformed = -1; // in GpuScene::deformedMeshes()

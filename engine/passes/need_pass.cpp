@@ -1,4 +1,5 @@
 #include "need_pass.h"
+#include "vertex_input.h"
 
 namespace lumel {
 namespace {
@@ -25,6 +26,10 @@ NeedPass::NeedPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& s
       set_(gpu::makeSet(device, layout_)),
       raster_(gpu::makeGraphicsPipeline(device, {.vertex = "need.vert",
                                                  .fragment = "need.frag",
+                                                 .bindings = kMeshBindings,
+                                                 .attributes = meshAttributes({shared::kAttributePosition,
+                                                                               shared::kAttributeUv,
+                                                                               shared::kAttributeWorld}),
                                                  .sets = {*scene.frameLayout()},
                                                  .pushBytes = sizeof(shared::NeedPush),
                                                  .color = vk::Format::eR32G32B32A32Uint})),

@@ -1,4 +1,5 @@
 #include "shadow_pass.h"
+#include "vertex_input.h"
 #include <algorithm>
 #include <array>
 
@@ -6,6 +7,11 @@ namespace lumel {
 namespace {
 
 using shared::Light;
+
+std::vector<vk::VertexInputAttributeDescription> attributes()
+{
+    return meshAttributes({shared::kAttributePosition, shared::kAttributeMaterialUv, shared::kAttributeWorld});
+}
 
 // Spot lights this wide see nearly a half space, of which no plane map is a picture.
 constexpr float kWidestSpot = 1.4f; // radians, half angle
@@ -98,6 +104,8 @@ ShadowPass::ShadowPass(const gpu::Device& device, GpuScene& scene)
                                  .compareOp = vk::CompareOp::eGreaterOrEqual,
                                  .borderColor = vk::BorderColor::eFloatOpaqueBlack}), // infinitely far: lit
       solid_(gpu::makeGraphicsPipeline(device, {.vertex = "shadow.vert",
+                                                .bindings = kMeshBindings,
+                                                .attributes = attributes(),
                                                 .sets = {*scene.frameLayout()},
                                                 .pushBytes = sizeof(shared::ShadowPush),
                                                 .color = vk::Format::eUndefined}))
@@ -174,6 +182,8 @@ const gpu::Pipeline& ShadowPass::pipelineOf(const Frame& frame, const GpuObject&
         masked = gpu::makeGraphicsPipeline(
             frame.device, {.vertex = "shadow.vert",
                            .fragment = "shadow.frag",
+                           .bindings = kMeshBindings,
+                           .attributes = attributes(),
                            .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
                            .pushBytes = sizeof(shared::ShadowPush),
                            .color = vk::Format::eUndefined,

@@ -1,4 +1,4 @@
-// Vertex pulling: meshes are storage buffers, so that the rasteriser and light.comp read them the same way.
+// Vertex pulling: to compute shaders, meshes are storage buffers.
 #ifndef LUMEL_GEOMETRY_GLSL
 #define LUMEL_GEOMETRY_GLSL
 #include "lib/interface.glsl"

@@ -38,6 +38,15 @@ struct Vertex {
     vec2 glowUv;     // the same for emission and occlusion
 };
 
+// What vertex shaders are fed, by location: of each vertex, and of the object (an instance's index is its object's).
+LUMEL_CONST uint kAttributePosition = 0u;
+LUMEL_CONST uint kAttributeNormal = 1u;
+LUMEL_CONST uint kAttributeTangent = 2u;
+LUMEL_CONST uint kAttributeUv = 3u;
+LUMEL_CONST uint kAttributeMaterialUv = 4u; // and glowUv
+LUMEL_CONST uint kAttributeWorld = 5u;       // worldFromObject, four columns
+LUMEL_CONST uint kAttributeWorldNormal = 9u; // worldFromObjectNormal, three columns
+
 // How strongly a joint moves a vertex. A vertex's weights sum to 1.
 struct Influence {
     uint joint;
