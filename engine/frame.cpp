@@ -227,7 +227,7 @@ void Renderer::setSettings(const Settings& settings)
     const Settings before = std::exchange(settings_, settings);
     const auto targetsOf = [](const Settings& s) {
         const bool reference = s.shading == Shading::reference;
-        return std::tuple(s.size, reference, reference ? 1 : s.msaa);
+        return std::tuple(s.size, reference, reference ? 1 : s.msaa, s.budgetMs > 0.0);
     };
     if (targetsOf(settings) != targetsOf(before)) {
         targets_ = Targets(device_, settings);

@@ -89,6 +89,10 @@ void main()
     ObjectAt object = objectAt(tile.object);
     uint verdict = judge(object, placeMip(tile.place), placeTile(tile.place));
     push.marks.at[index].verdict = verdict;
+    uint bits = (verdict == kVerdictDerive ? kDeriveFromChildren : 0u) |
+                ((tile.place & kPlaceWaited) != 0u ? kDeriveWaited : 0u);
+    uint state = tileIndex(object, placeMip(tile.place), placeTile(tile.place));
+    object.at.tiles.at[state].derive = view.frame << kDeriveBits | bits;
     if (verdict < kPriorities)
         atomicAdd(push.plan.at.histogram[verdict], 1u);
 }

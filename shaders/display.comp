@@ -7,15 +7,14 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { DisplayPush push; };
 layout(set = 1, binding = 0) uniform sampler2D radiance; // half or single precision
-layout(set = 1, binding = 1, rgba8) uniform writeonly image2D display;
+layout(set = 1, binding = 1) uniform writeonly image2D display;
 
 void main()
 {
-    uvec2 size = view.sizePixels;
     uint index = gl_GlobalInvocationID.x;
-    if (index >= size.x * size.y)
+    if (index >= push.size.x * push.size.y)
         return;
-    ivec2 pixel = ivec2(index % size.x, index / size.x);
+    ivec2 pixel = ivec2(index % push.size.x, index / push.size.x);
     vec3 linear = texelFetch(radiance, pixel, 0).rgb * push.weight;
     imageStore(display, pixel, vec4(displayColour(linear, view.exposure, push.toneMap), 1.0));
 }

@@ -2,12 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 // Lower levels: a lumel is the average of its four children, weighted by how much surface they cover. A gutter
 // lumel takes the mean of the covered lumels near it (dilation), nearer ones weighing more, so that no filter
-// tap meets an unlit lumel. A group derives one tile after another of its job's list.
+// tap meets an unlit lumel. A group derives one tile after another of its job's list, and all of an object's tail.
 #include "lib/tiles.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { LightPush push; };
-layout(set = 1, binding = 0, rgba16f) uniform image2DArray lit;
+layout(set = 1, binding = 0, rgba16f) coherent uniform image2DArray lit;
 
 const int kDilation = 2; // lumels: the reach of a cubic filter's taps
 
@@ -62,58 +62,49 @@ vec3 derive(ObjectAt object, uint mip, uvec2 lumel)
     return sum.rgb / max(sum.a, 1e-6);
 }
 
-// Frame in which the youngest of the tile's children was lit; 0 when one of them has no light yet.
-uint childrenLit(ObjectAt object, uint mip, uvec2 tile)
+void deriveTile(ObjectAt object, uint mip, uvec2 tile)
 {
-    uvec2 fine = tileCount(mipSize(object, mip - 1u));
-    uvec2 ratio = mipSize(object, mip - 1u) / mipSize(object, mip);
-    uint youngest = 0u;
-    for (uint i = 0u; i < 4u; ++i) {
-        uvec2 child = tile * ratio + uvec2(i & 1u, i >> 1u);
-        if (any(greaterThanEqual(child, fine)) || tileEmpty(object, mip - 1u, child))
-            continue;
-        uint frame = stateOf(object, mip - 1u, child).lit;
-        if (frame == 0u)
-            return 0u;
-        youngest = max(youngest, frame);
-    }
-    return youngest;
-}
-
-void deriveTile(Tile tile)
-{
-    ObjectAt object = objectAt(tile.object);
-    uint mip = placeMip(tile.place);
-    uvec2 origin = placeTile(tile.place);
-    uint index = tileIndex(object, mip, origin);
-    uint children = childrenLit(object, mip, origin);
-    if (children == 0u || children <= object.at.tiles.at[index].lit)
-        return; // not yet, or nothing new
-    uvec2 lumel = origin * kTileSize +
-                  uvec2(gl_LocalInvocationIndex % kTileSize, gl_LocalInvocationIndex / kTileSize);
+    if (push.waiting != 0u && childrenLit(object, mip, tile) == 0u)
+        return; // not yet
+    uint local = gl_LocalInvocationIndex;
+    uvec2 lumel = tile * kTileSize + uvec2(local % kTileSize, local / kTileSize);
     if (all(lessThan(lumel, mipSize(object, mip)))) {
         ivec3 place = ivec3(mipOrigin(mipSize(object, 0u), mip) + lumel, object.at.layer);
         imageStore(lit, place, vec4(derive(object, mip, lumel), 1.0));
     }
-    barrier(); // all have read `lit` above
-    if (gl_LocalInvocationIndex == 0u) {
-        uvec2 ratio = mipSize(object, mip - 1u) / mipSize(object, mip);
-        TileState child = stateOf(object, mip - 1u, origin * ratio);
-        object.at.tiles.at[index].lit = children;
-        object.at.tiles.at[index].eye = child.eye;
-        object.at.tiles.at[index].centre = child.centre;
-        object.at.tiles.at[index].radius = 2.0 * child.radius;
-        object.at.tiles.at[index].rate = rateOf(child);
-        object.at.tiles.at[index].turned = 1.0;
-        object.at.tiles.at[index].change = 0u;
-        if (object.at.tiles.at[index].shown == 0u)
-            object.at.tiles.at[index].shown = (tile.place & kPlaceWaited) != 0u ? view.frame : kShownAtOnce;
-    }
+    if (local != 0u)
+        return;
+    uint index = tileIndex(object, mip, tile);
+    uvec2 ratio = mipSize(object, mip - 1u) / mipSize(object, mip);
+    TileState child = stateOf(object, mip - 1u, tile * ratio);
+    bool waited = (object.at.tiles.at[index].derive & kDeriveWaited) != 0u;
+    object.at.tiles.at[index].lit = childrenLit(object, mip, tile);
+    object.at.tiles.at[index].eye = child.eye;
+    object.at.tiles.at[index].centre = child.centre;
+    object.at.tiles.at[index].radius = 2.0 * child.radius;
+    object.at.tiles.at[index].rate = rateOf(child);
+    object.at.tiles.at[index].turned = 1.0;
+    object.at.tiles.at[index].change = 0u;
+    if (object.at.tiles.at[index].shown == 0u)
+        object.at.tiles.at[index].shown = waited ? view.frame : kShownAtOnce;
 }
 
 void main()
 {
     Job job = push.jobs.at[push.job];
-    for (uint i = gl_WorkGroupID.x; i < job.count; i += gl_NumWorkGroups.x)
-        deriveTile(push.tiles.at[job.first + i].tile);
+    for (uint i = gl_WorkGroupID.x; i < job.count; i += gl_NumWorkGroups.x) {
+        Tile tile = push.tiles.at[job.first + i].tile;
+        ObjectAt object = objectAt(tile.object);
+        uint mip = placeMip(tile.place), last = mip < derivedTail(object) ? mip : object.at.mips - 1u;
+        for (; mip <= last; ++mip) {
+            uint derive = stateOf(object, mip, placeTile(tile.place)).derive;
+            if ((derive & kDeriveQueued) != 0u && derive >> kDeriveBits == view.frame)
+                deriveTile(object, mip, placeTile(tile.place));
+            if (mip < last) {
+                memoryBarrierImage();
+                memoryBarrierBuffer();
+                barrier(); // the next MIP is made of this one
+            }
+        }
+    }
 }

@@ -71,6 +71,30 @@ vec4 ballOf(ObjectAt object, uint mip, uvec2 tile)
     return vec4(0.5 * (lower + upper), 0.5 * kBulge * length(max(upper - lower, vec3(0.0))));
 }
 
+// A tile's light changes: what is derived from it, and so on, enters the lists of jobs, each tile once. The tail's
+// MIPs enter as one.
+void queueDerived(ObjectAt object, uint objectIndex, uint mip, uvec2 tile)
+{
+    for (; mip < object.at.mips; ++mip) {
+        uvec2 size = mipSize(object, mip);
+        uint index = tileIndex(object, mip, tile);
+        if (object.at.tiles.at[index].derive >> kDeriveBits != view.frame)
+            return;
+        if ((object.at.tiles.at[index].derive & kDeriveFromChildren) == 0u)
+            return;
+        if ((atomicOr(object.at.tiles.at[index].derive, kDeriveQueued) & kDeriveQueued) != 0u)
+            return;
+        uvec2 lumels = min(size, uvec2(kTileSize));
+        atomicAdd(push.plan.at.lumelsDerived, lumels.x * lumels.y);
+        uint tail = derivedTail(object);
+        if (mip < tail)
+            append(object.at.lowerJob + mip - 1u, Tile(objectIndex, packPlace(mip, tile)));
+        else if ((atomicOr(object.at.tiles.at[object.at.tileOffsets[tail]].derive, kDeriveTail) & kDeriveTail) == 0u)
+            append(object.at.lowerJob + tail - 1u, Tile(objectIndex, packPlace(tail, uvec2(0u))));
+        tile /= size / max(size >> 1u, uvec2(1u));
+    }
+}
+
 // The tile is about to be lit: notes from where, and which lights reach it.
 void prepare(ObjectAt object, Tile tile, uint slot)
 {
@@ -110,15 +134,19 @@ void main()
     if (mark.verdict == kVerdictEmpty)
         return;
     atomicAdd(push.plan.at.lumelsMarked, lumels);
+    uvec2 tile = placeTile(mark.tile.place);
     if (mark.verdict == kVerdictDerive) {
-        append(object.at.lowerJob + mip - 1u, mark.tile);
-        atomicAdd(push.plan.at.lumelsDerived, lumels);
+        // Children that were lit in earlier frames; those lit in this one queue it themselves.
+        if (childrenLit(object, mip, tile) > object.at.tiles.at[tileIndex(object, mip, tile)].lit)
+            queueDerived(object, mark.tile.object, mip, tile);
     } else if (mark.verdict < kPriorities) {
         uint threshold = push.plan.at.threshold;
         bool chosen = mark.verdict > threshold ||
                       (mark.verdict == threshold && chance(mark.tile, view.frame) < push.plan.at.share);
         if (chosen) {
             prepare(object, mark.tile, append(object.at.lightJob, mark.tile));
+            uvec2 ratio = mipSize(object, mip) / max(mipSize(object, mip) >> 1u, uvec2(1u));
+            queueDerived(object, mark.tile.object, mip + 1u, tile / ratio);
             atomicAdd(push.plan.at.tilesLit, 1u);
             atomicAdd(push.plan.at.lumelsLit, lumels);
         } else {

@@ -1,29 +1,29 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Display pass of a frame that was rendered smaller than it is shown: bicubic, then radiance to display colour.
+// Display pass of a frame that was rendered smaller than it is shown: display colours to the wanted size along one
+// axis, by Catmull-Rom splines; once for the columns, once for the rows. Upscaled radiance would ring around
+// highlights, and cost a tone mapping of every pixel shown.
 #include "lib/bicubic.glsl"
-#include "shared/tonemap.h"
 
 layout(local_size_x = 64) in;
-layout(push_constant, scalar) uniform Constants { DisplayPush push; };
-layout(set = 1, binding = 0) uniform sampler2D radiance;
-layout(set = 1, binding = 1, rgba8) uniform writeonly image2D display;
+layout(push_constant, scalar) uniform Constants { ScalePush push; };
+layout(set = 1, binding = 0) uniform sampler2D source;
+layout(set = 1, binding = 1) uniform writeonly image2D scaled;
 
 void main()
 {
-    uvec2 size = view.sizePixels;
     uint index = gl_GlobalInvocationID.x;
-    if (index >= size.x * size.y)
+    if (index >= push.to.x * push.to.y)
         return;
-    ivec2 pixel = ivec2(index % size.x, index / size.x);
-    vec2 p = (vec2(pixel) + 0.5) * vec2(push.size) / vec2(size);
-    vec2 inverseWhole = 1.0 / vec2(textureSize(radiance, 0));
-    vec4 sum = vec4(0.0);
-    for (int i = 0; i < kFilterLookups[kFilterCatmullRom]; ++i) {
-        Lookup lookup = catmullRom(p, i);
-        vec2 inside = clamp(lookup.place, vec2(0.5), vec2(push.size) - 0.5); // the rest is of other frames
-        sum += lookup.weight * vec4(textureLod(radiance, inside * inverseWhole, 0.0).rgb, 1.0);
+    ivec2 pixel = ivec2(index % push.to.x, index / push.to.x);
+    bool sideways = push.from.x != push.to.x;
+    uint from = sideways ? push.from.x : push.from.y, to = sideways ? push.to.x : push.to.y;
+    float p = (float(sideways ? pixel.x : pixel.y) + 0.5) * float(from) / float(to) - 0.5;
+    mat4x2 weights = catmullRomWeights(vec2(fract(p)));
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 4; ++i) {
+        int place = clamp(int(floor(p)) + i - 1, 0, int(from) - 1);
+        sum += weights[i].x * texelFetch(source, sideways ? ivec2(place, pixel.y) : ivec2(pixel.x, place), 0).rgb;
     }
-    vec3 linear = max(sum.rgb / sum.a, vec3(0.0)) * push.weight; // Catmull-Rom's lobes may fall below 0
-    imageStore(display, pixel, vec4(displayColour(linear, view.exposure, push.toneMap), 1.0));
+    imageStore(scaled, pixel, vec4(sum, 1.0));
 }

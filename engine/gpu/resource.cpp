@@ -10,11 +10,11 @@ Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string&
     : size_(std::max<size_t>(bytes, 16))
 {
     using Usage = vk::BufferUsageFlagBits;
-    buffer_ = vk::raii::Buffer(device.handle(),
-                               {.size = size_,
-                                .usage = Usage::eStorageBuffer | Usage::eIndirectBuffer |
-                                         Usage::eIndexBuffer | Usage::eVertexBuffer | Usage::eUniformBuffer | Usage::eTransferSrc |
-                                         Usage::eTransferDst | Usage::eShaderDeviceAddress});
+    buffer_ = vk::raii::Buffer(device.handle(), {.size = size_,
+                                                 .usage = Usage::eStorageBuffer | Usage::eIndirectBuffer |
+                                                          Usage::eIndexBuffer | Usage::eVertexBuffer |
+                                                          Usage::eUniformBuffer | Usage::eTransferSrc |
+                                                          Usage::eTransferDst | Usage::eShaderDeviceAddress});
     using Property = vk::MemoryPropertyFlagBits;
     const auto wanted = home == Home::host ? Property::eHostVisible | Property::eHostCoherent
                                            : vk::MemoryPropertyFlags(Property::eDeviceLocal);

@@ -16,23 +16,28 @@ DisplayPass::DisplayPass(const gpu::Device& device, const GpuScene& scene, const
       display_(gpu::makeComputePipeline(device, "display.comp", {*scene.frameLayout(), *displayLayout_},
                                         sizeof(shared::DisplayPush))),
       upscale_(gpu::makeComputePipeline(device, "upscale.comp", {*scene.frameLayout(), *displayLayout_},
-                                        sizeof(shared::DisplayPush)))
+                                        sizeof(shared::ScalePush)))
 {
     connect(device, targets);
 }
 
 void DisplayPass::connect(const gpu::Device& device, const Targets& targets)
 {
-    const auto showing = [&](const gpu::Image& radiance) {
+    const auto between = [&](const gpu::Image& from, const gpu::Image& to) {
         auto set = gpu::makeSet(device, displayLayout_);
-        gpu::writeSampled(device, *set, 0, *sampler_, radiance.view());
-        gpu::writeStorage(device, *set, 1, targets.display.view());
+        gpu::writeSampled(device, *set, 0, *sampler_, from.view());
+        gpu::writeStorage(device, *set, 1, to.view());
         return set;
     };
-    hdrSet_ = showing(targets.hdr);
+    hdrSet_ = between(targets.hdr, targets.display);
+    if (targets.small) {
+        smallSet_ = between(targets.hdr, targets.small);
+        widenSet_ = between(targets.small, targets.wide);
+        heightenSet_ = between(targets.wide, targets.display);
+    }
     if (!targets.sum)
         return;
-    sumSet_ = showing(targets.sum);
+    sumSet_ = between(targets.sum, targets.display);
     accumulateSet_ = gpu::makeSet(device, accumulateLayout_);
     gpu::writeStorage(device, *accumulateSet_, 0, targets.hdr.view());
     gpu::writeStorage(device, *accumulateSet_, 1, targets.sum.view());
@@ -69,6 +74,20 @@ void DisplayPass::accumulate(Frame& frame)
     frame.commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
 }
 
+void DisplayPass::recordUpscale(Frame& frame)
+{
+    const glm::uvec2 size = frame.settings.size, from = frame.renderSize, between{size.x, from.y};
+    const auto scale = [&](const gpu::Image& source, vk::DescriptorSet set, const shared::ScalePush& push) {
+        gpu::imageBarrier(frame.commands, source.handle(), source.aspect(), gpu::Use::computeWrite,
+                          gpu::Use::computeSample);
+        bindSets(frame, vk::PipelineBindPoint::eCompute, upscale_, {set});
+        pushConstants(frame.commands, upscale_, push);
+        frame.commands.dispatch(groupsOf64(push.to.x * push.to.y), 1, 1);
+    };
+    scale(frame.targets.small, *widenSet_, {.from = from, .to = between});
+    scale(frame.targets.wide, *heightenSet_, {.from = between, .to = size});
+}
+
 void DisplayPass::record(Frame& frame, int sampleCount)
 {
     const PassScope scope(frame, "display");
@@ -80,14 +99,22 @@ void DisplayPass::record(Frame& frame, int sampleCount)
                       gpu::Use::computeSample);
     gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::undefined,
                       gpu::Use::computeWrite);
-    const glm::uvec2 size = frame.settings.size;
-    const gpu::Pipeline& pipeline = frame.renderSize == size ? display_ : upscale_;
-    bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, {sampleCount ? *sumSet_ : *hdrSet_});
-    pushConstants(commands, pipeline,
+    const bool small = frame.renderSize != frame.settings.size;
+    if (small)
+        for (const gpu::Image* image : {&frame.targets.small, &frame.targets.wide})
+            gpu::imageBarrier(commands, image->handle(), image->aspect(), gpu::Use::undefined,
+                              gpu::Use::computeWrite);
+    bindSets(frame, vk::PipelineBindPoint::eCompute, display_,
+             {small         ? *smallSet_
+              : sampleCount ? *sumSet_
+                            : *hdrSet_});
+    pushConstants(commands, display_,
                   shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)),
                                       .size = frame.renderSize,
                                       .toneMap = uint32_t(frame.settings.toneMap)});
-    commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
+    commands.dispatch(groupsOf64(frame.renderSize.x * frame.renderSize.y), 1, 1);
+    if (small)
+        recordUpscale(frame);
     gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,
                       gpu::Use::transferRead);
     gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::computeWrite,

@@ -15,9 +15,12 @@ public:
     void record(Frame& frame, int sampleCount); // 0: shows hdr's part of renderSize, else the sum's mean
 
 private:
+    void recordUpscale(Frame& frame);
+
     vk::raii::Sampler sampler_;
     gpu::SetLayout accumulateLayout_, displayLayout_;
     vk::raii::DescriptorSet accumulateSet_ = nullptr, hdrSet_ = nullptr, sumSet_ = nullptr;
+    vk::raii::DescriptorSet smallSet_ = nullptr, widenSet_ = nullptr, heightenSet_ = nullptr;
     gpu::Pipeline accumulate_, display_, upscale_;
 };
 

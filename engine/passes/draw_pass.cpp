@@ -13,25 +13,25 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
     gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, features, filter}];
     if (*pipeline.handle)
         return pipeline;
-    gpu::GraphicsInfo info{.vertex = "surface.vert",
-                           .fragment = "forward.frag",
-                           .bindings = kMeshBindings,
-                           .attributes = meshAttributes(
-                               {shared::kAttributePosition, shared::kAttributeNormal, shared::kAttributeTangent,
-                                shared::kAttributeUv, shared::kAttributeMaterialUv, shared::kAttributeWorld,
-                                shared::kAttributeWorldNormal}),
-                           .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
-                           .pushBytes = sizeof(shared::ForwardPush),
-                           .samples =
-                               multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1,
-                           .features = features,
-                           .filter = filter,
-                           .blend = kind == Kind::blended};
+    gpu::GraphicsInfo info{
+        .vertex = "surface.vert",
+        .fragment = "forward.frag",
+        .bindings = kMeshBindings,
+        .attributes =
+            meshAttributes({shared::kAttributePosition, shared::kAttributeNormal, shared::kAttributeTangent,
+                            shared::kAttributeUv, shared::kAttributeMaterialUv, shared::kAttributeWorld,
+                            shared::kAttributeWorldNormal}),
+        .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
+        .pushBytes = sizeof(shared::ForwardPush),
+        .samples = multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1,
+        .features = features,
+        .filter = filter,
+        .blend = kind == Kind::blended};
     if (kind == Kind::lit) {
         info.vertex = "lit.vert";
         info.fragment = "draw.frag";
-        info.attributes = meshAttributes(
-            {shared::kAttributePosition, shared::kAttributeUv, shared::kAttributeWorld});
+        info.attributes =
+            meshAttributes({shared::kAttributePosition, shared::kAttributeUv, shared::kAttributeWorld});
         info.sets = {*frame.scene.frameLayout(), *pool.layout()};
         info.pushBytes = sizeof(shared::LitPush);
     } else if (kind == Kind::background) {

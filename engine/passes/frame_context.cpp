@@ -33,6 +33,11 @@ Targets::Targets(const gpu::Device& device, const Settings& settings)
              .height = height,
              .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc | Usage::eTransferDst},
             "reference sum");
+    if (settings.budgetMs > 0.0)
+        for (gpu::Image* image : {&small, &wide})
+            *image = gpu::Image(
+                device, {.width = width, .height = height, .usage = Usage::eStorage | Usage::eSampled},
+                image == &small ? "small picture" : "wide picture");
     display = gpu::Image(device,
                          {.format = vk::Format::eR8G8B8A8Unorm,
                           .width = width,

@@ -15,7 +15,10 @@ struct Targets {
     gpu::Image depth;        // D32, as many samples as the draw pass
     gpu::Image multisampled; // RGBA16F, only with msaa > 1
     gpu::Image sum;          // RGBA32F, reference only
-    gpu::Image display;      // RGBA8, sRGB encoded
+    // Of a frame that is drawn smaller than it is shown, RGBA16F, sRGB encoded: as drawn, and as wide as
+    // shown.
+    gpu::Image small, wide;
+    gpu::Image display; // RGBA8, sRGB encoded
 };
 
 struct Frame {

@@ -29,7 +29,7 @@ void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& p
         const gpu::Pipeline& light = lightPipeline(frame, pool, job.coloured);
         bindSets(frame, vk::PipelineBindPoint::eCompute, light,
                  {*job.material->set, *pool.blocks()[size_t(job.block)].set});
-        pushConstants(commands, light, plan.push(i));
+        pushConstants(commands, light, plan.push(frame, i));
         commands.dispatchIndirect(plan.jobBuffer(), i * sizeof(shared::Job));
     }
     gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::computeReadWrite);
@@ -43,13 +43,13 @@ void LightPass::recordLower(Frame& frame, const LitPool& pool, const PlanPass& p
     for (uint32_t mip = 1; more; ++mip) {
         more = false;
         for (const PlanPass::LowerJobs& block : plan.lowerJobs()) {
-            if (mip >= block.mips)
+            if (mip > block.capacity.size())
                 continue;
             more = true;
             const uint32_t job = block.job + mip - 1;
             bindSets(frame, vk::PipelineBindPoint::eCompute, lower_,
                      {*pool.blocks()[size_t(block.block)].set});
-            pushConstants(commands, lower_, plan.push(job));
+            pushConstants(commands, lower_, plan.push(frame, job));
             commands.dispatchIndirect(plan.jobBuffer(), job * sizeof(shared::Job));
         }
         gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::computeReadWrite);

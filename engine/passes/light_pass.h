@@ -1,5 +1,6 @@
 // Light: the planned tiles, by compute, a dispatch per material and pool block. Lower levels: coarser tiles
-// from their lit children, a dispatch per block and MIP.
+// from their lit children, a dispatch per block and MIP,
+// one for the last MIPs together.
 #pragma once
 #include "plan_pass.h"
 

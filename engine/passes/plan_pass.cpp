@@ -44,14 +44,11 @@ uint32_t PlanPass::lightJobOf(const GpuObject& object, int block)
     return entry->second;
 }
 
-uint32_t PlanPass::lowerJobOf(int block, uint32_t mips)
+uint32_t PlanPass::lowerJobOf(int block, uint32_t tail)
 {
     const auto [entry, isNew] = lowerJobIndex_.try_emplace(block, uint32_t(lowerJobs_.size()));
     if (isNew)
-        lowerJobs_.push_back({.block = block,
-                              .mips = mips,
-                              .first = std::vector<uint32_t>(mips - 1),
-                              .capacity = std::vector<uint32_t>(mips - 1)});
+        lowerJobs_.push_back({.block = block, .capacity = std::vector<uint32_t>(tail)});
     return entry->second;
 }
 
@@ -70,12 +67,15 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
             continue;
         const tsl::TextureLayout& layout = pool.block(rooms[i].texture).layout;
         jobs[i].light = lightJobOf(objects[i], rooms[i].texture.block);
-        jobs[i].lower = lowerJobOf(rooms[i].texture.block, layout.mips);
+        // The last four MIPs are a tile each (tailMip() of tiles.glsl); a MIP 0 among them is derived of
+        // nothing.
+        const uint32_t tail = std::max(layout.mips - std::min(layout.mips, 4u), 1u);
+        jobs[i].lower = lowerJobOf(rooms[i].texture.block, tail);
         lightJobs_[jobs[i].light].capacity += layout.tiles;
-        for (uint32_t mip = 1; mip < layout.mips; ++mip) {
-            const uint32_t last = mip + 1 < layout.mips ? layout.tileOffsets[mip + 1] : layout.tiles;
-            lowerJobs_[jobs[i].lower].capacity[mip - 1] += last - layout.tileOffsets[mip];
-        }
+        std::vector<uint32_t>& capacity = lowerJobs_[jobs[i].lower].capacity;
+        for (uint32_t mip = 1; mip < tail; ++mip)
+            capacity[mip - 1] += layout.tileOffsets[mip + 1] - layout.tileOffsets[mip];
+        ++capacity[tail - 1]; // of the tail together
         tiles += layout.tiles;
     }
 
@@ -106,9 +106,12 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
     frame.scene.writeObjects(frame.rooms, pool, jobs);
 }
 
-shared::LightPush PlanPass::push(uint32_t job) const
+shared::LightPush PlanPass::push(const Frame& frame, uint32_t job) const
 {
-    return {.jobs = jobs_.address(), .tiles = tiles_.address(), .job = job};
+    return {.jobs = jobs_.address(),
+            .tiles = tiles_.address(),
+            .job = job,
+            .waiting = frame.lumelBudget < ~0u ? 1u : 0u};
 }
 
 std::map<uint32_t, size_t> PlanPass::lumelsByTileSize(const gpu::Device& device) const

@@ -14,10 +14,11 @@ public:
         int block;
         uint32_t first = 0, capacity = 0; // in the tile list
     };
-    struct LowerJobs { // tiles of one block: MIP 1 is job `job`, each coarser MIP's follows
+    struct LowerJobs { // tiles of one block: MIP 1 is job `job`, each coarser MIP's follows, the tail's is
+                       // one
         int block;
-        uint32_t job = 0, mips = 0;
-        std::vector<uint32_t> first, capacity; // by MIP from 1
+        uint32_t job = 0;
+        std::vector<uint32_t> capacity; // tiles, by MIP from 1
     };
 
     PlanPass(const gpu::Device& device, const GpuScene& scene, const NeedPass& need);
@@ -33,12 +34,12 @@ public:
 
     const std::vector<LightJob>& lightJobs() const { return lightJobs_; }
     const std::vector<LowerJobs>& lowerJobs() const { return lowerJobs_; }
-    shared::LightPush push(uint32_t job) const;
+    shared::LightPush push(const Frame& frame, uint32_t job) const;
     vk::Buffer jobBuffer() const { return jobs_.handle(); }
 
 private:
     uint32_t lightJobOf(const GpuObject& object, int block);
-    uint32_t lowerJobOf(int block, uint32_t mips);
+    uint32_t lowerJobOf(int block, uint32_t tail);
 
     gpu::Pipeline mark_, classify_, budget_, select_;
     gpu::Buffer plan_, readback_, upload_, jobs_, marks_, tiles_;

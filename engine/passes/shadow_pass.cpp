@@ -10,7 +10,8 @@ using shared::Light;
 
 std::vector<vk::VertexInputAttributeDescription> attributes()
 {
-    return meshAttributes({shared::kAttributePosition, shared::kAttributeMaterialUv, shared::kAttributeWorld});
+    return meshAttributes(
+        {shared::kAttributePosition, shared::kAttributeMaterialUv, shared::kAttributeWorld});
 }
 
 // Spot lights this wide see nearly a half space, of which no plane map is a picture.

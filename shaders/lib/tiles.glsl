@@ -55,6 +55,30 @@ bool tileEmpty(ObjectAt object, uint mip, uvec2 tile)
     return texelAt(object, object.at.litLevel + mip + 3u, tile) == 0u;
 }
 
+// The first MIP of those that one group derives after each other: each is a single tile, made of the one before.
+uint derivedTail(ObjectAt object)
+{
+    return max(tailMip(object), 1u);
+}
+
+// Frame in which the youngest of the tile's children was lit; 0 when one of them has no light yet. mip: at least 1.
+uint childrenLit(ObjectAt object, uint mip, uvec2 tile)
+{
+    uvec2 fine = tileCount(mipSize(object, mip - 1u));
+    uvec2 ratio = mipSize(object, mip - 1u) / mipSize(object, mip);
+    uint youngest = 0u;
+    for (uint i = 0u; i < 4u; ++i) {
+        uvec2 child = tile * ratio + uvec2(i & 1u, i >> 1u);
+        if (any(greaterThanEqual(child, fine)) || tileEmpty(object, mip - 1u, child))
+            continue;
+        uint frame = object.at.tiles.at[tileIndex(object, mip - 1u, child)].lit;
+        if (frame == 0u)
+            return 0u;
+        youngest = max(youngest, frame);
+    }
+    return youngest;
+}
+
 // Angle by which the eye has turned around the tile since it was lit, in radians.
 float turnedSince(TileState tile, vec3 eye)
 {

@@ -43,7 +43,7 @@ LUMEL_CONST uint kAttributePosition = 0u;
 LUMEL_CONST uint kAttributeNormal = 1u;
 LUMEL_CONST uint kAttributeTangent = 2u;
 LUMEL_CONST uint kAttributeUv = 3u;
-LUMEL_CONST uint kAttributeMaterialUv = 4u; // and glowUv
+LUMEL_CONST uint kAttributeMaterialUv = 4u;  // and glowUv
 LUMEL_CONST uint kAttributeWorld = 5u;       // worldFromObject, four columns
 LUMEL_CONST uint kAttributeWorldNormal = 9u; // worldFromObjectNormal, three columns
 
@@ -149,7 +149,7 @@ struct Object {
     uint litLevel;                // level of the texture's MIP 0: the object's maximum MIP level
     float finest;                 // least MIP drawn; falls to 0 over a few frames after litLevel fell
     uint lightJob;                // of its tiles
-    uint lowerJob;                // of its MIP 1 tiles; each coarser MIP's follows
+    uint lowerJob;                // of its MIP 1 tiles; each coarser MIP's follows, the tail's is one
     uint tileOffsets[kMaxLevels]; // first tile of each MIP
     LUMEL_ADDRESS(TileStates) tiles;
 };
@@ -186,7 +186,13 @@ struct TileState {
     uint change;  // sum over its lumels of the squared change then, in 1 / kChangeUnit
     uint marked;  // frame in which a view last needed it
     uint shown;   // frame from which it is drawn; it fades in over kFadeFrames
+    uint derive;  // frame << kDeriveBits | kDerive..., by the plan of the frame that last needed it
 };
+LUMEL_CONST uint kDeriveBits = 4u;
+LUMEL_CONST uint kDeriveFromChildren = 1u; // that is where its light comes from
+LUMEL_CONST uint kDeriveQueued = 2u;       // a child's light changes: it is in the list of a job
+LUMEL_CONST uint kDeriveTail = 4u;         // of the tail's first tile: some of the tail is queued
+LUMEL_CONST uint kDeriveWaited = 8u;       // the frame before needed it too
 LUMEL_CONST float kChangeUnit = 16777216.0f;
 LUMEL_CONST uint kShownAtOnce = 0xffffffffu;
 LUMEL_CONST uint kFadeFrames = 8u;
@@ -298,6 +304,7 @@ struct LightPush {
     LUMEL_ADDRESS(Jobs) jobs;
     LUMEL_ADDRESS(JobTiles) tiles; // of all jobs
     uint job;
+    uint waiting; // 1: some tiles may wait for their light
 };
 
 struct DrawPush {
@@ -364,6 +371,10 @@ struct DisplayPush {
     float weight; // of the accumulated sum: 1 / samples
     uvec2 size;   // pixels of the source that hold the picture
     uint toneMap; // kToneMap...
+};
+
+struct ScalePush {
+    uvec2 from, to; // pixels
 };
 
 LUMEL_SHARED_END

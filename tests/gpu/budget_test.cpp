@@ -24,6 +24,24 @@ double mean(const Image& image)
     return std::accumulate(image.pixels.begin(), image.pixels.end(), 0.0) / double(image.pixels.size());
 }
 
+// The Catmull-Rom spline through the pixels' centres, border pixels repeated, from its kernel (Keys 1981, a =
+// -1/2).
+float splineAt(const Image& image, float x, float y, int channel)
+{
+    const auto kernel = [](float t) {
+        t = std::abs(t);
+        return t < 1.0f   ? (1.5f * t - 2.5f) * t * t + 1.0f
+               : t < 2.0f ? ((-0.5f * t + 2.5f) * t - 4.0f) * t + 2.0f
+                          : 0.0f;
+    };
+    float sum = 0.0f;
+    for (int j = int(y) - 3; j <= int(y) + 3; ++j)
+        for (int i = int(x) - 3; i <= int(x) + 3; ++i)
+            sum += kernel(x - float(i) - 0.5f) * kernel(y - float(j) - 0.5f) *
+                   image.at(std::clamp(i, 0, image.width - 1), std::clamp(j, 0, image.height - 1))[channel];
+    return sum;
+}
+
 // A wall of facing plates, each with all of its lumels in view.
 TestScene plates(int across, const baker::Maps& maps)
 {
@@ -113,6 +131,28 @@ TEST_F(BudgetTest, ForwardShadingScalesToo)
         stats = renderer.render(cameraAt({0.0f, 0.0f, 3.5f}));
     EXPECT_EQ(stats.renderScale, tsl::kLeastRenderScale);
     EXPECT_GT(renderer.readDisplay().at(80, 45)[0], 0.2f);
+}
+
+TEST_F(BudgetTest, AScaledFrameIsTheSmallFramesPictureUpscaled)
+{
+    const TestScene s = plates(2, bumpyMaps(64, 0.5f, 60.0f));
+    const scene::Camera camera = cameraAt({0.2f, 0.1f, 3.5f});
+    const auto pictureAt = [&](double budgetMs, glm::uvec2 size) {
+        Settings settings = budgetOf(budgetMs, size);
+        settings.shading = Shading::forward;
+        Renderer renderer(device(), s.scene, s.materials, settings);
+        for (int i = 0; i < 12; ++i)
+            renderer.render(camera);
+        return renderer.readDisplay();
+    };
+    const Image scaled = pictureAt(0.1, {160, 90}), small = pictureAt(0.0, {80, 45});
+    for (int y = 0; y < 90; ++y)
+        for (int x = 0; x < 160; ++x)
+            for (int c = 0; c < 3; ++c) {
+                const float expected = splineAt(small, 0.5f * (float(x) + 0.5f), 0.5f * (float(y) + 0.5f), c);
+                ASSERT_NEAR(scaled.at(x, y)[c], std::clamp(expected, 0.0f, 1.0f), 1.5f / 255.0f)
+                    << x << " " << y;
+            }
 }
 
 TEST_F(BudgetTest, AnAmpleBudgetIsNoOtherPicture)

@@ -174,6 +174,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(TileState, change);
     EXPECT_OFFSET(TileState, marked);
     EXPECT_OFFSET(TileState, shown);
+    EXPECT_OFFSET(TileState, derive);
     EXPECT_OFFSET(JobTile, tile);
     EXPECT_OFFSET(JobTile, lights);
     EXPECT_OFFSET(Mark, tile);
@@ -216,6 +217,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(LightPush, jobs);
     EXPECT_OFFSET(LightPush, tiles);
     EXPECT_OFFSET(LightPush, job);
+    EXPECT_OFFSET(LightPush, waiting);
     EXPECT_OFFSET(DrawPush, object);
     EXPECT_OFFSET(DrawPush, opacity);
     EXPECT_OFFSET(DrawPush, level);
@@ -239,6 +241,8 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(PoolPush, shade);
     EXPECT_OFFSET(DisplayPush, weight);
     EXPECT_OFFSET(DisplayPush, size);
+    EXPECT_OFFSET(ScalePush, from);
+    EXPECT_OFFSET(ScalePush, to);
 }
 
 TEST(SharedStructs, ArrayStridesEqualTheSizes)
