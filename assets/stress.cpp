@@ -19,8 +19,14 @@ constexpr int kLamps = 64;
 constexpr float kSeconds = 20.0f; // one round of the camera and the lanterns
 constexpr float kRadius = 72.0f;  // metres, of all pieces
 constexpr float kTile = 13.0f;    // metres a side of a piece of the ground
-constexpr float kFine = 30.0f;    // metres: farther out, 10 m from the camera at least, coarser shapes do
-constexpr float kRoad = 0.8f;     // metres free on both sides of the camera's way
+// Shapes by metres from the camera's way: what fewer triangles leave out is about a pixel there, at 960x540.
+struct Lod {
+    float farthest;
+    int steps, segments; // of turnedPiece()
+};
+constexpr std::array<Lod, 5> kLods{
+    {{2.0f, 3, 40}, {5.0f, 2, 24}, {10.0f, 1, 18}, {30.0f, 1, 14}, {1e9f, 1, 10}}};
+constexpr float kRoad = 0.8f; // metres free on both sides of the camera's way
 
 // A seed of a sunflower, nearer together in the middle: its place, and the distance to its neighbours.
 struct Seed {
@@ -150,21 +156,24 @@ void writeStress(const std::filesystem::path& folder)
     GltfWriter gltf(folder, "stress");
     const CrowdLooks crowd = addCrowdLooks(gltf);
     const int pieces = kObjects - kLamps - addGround(gltf, crowd.ground);
-    addLamps(gltf, gltf.addShape(turnedPiece(kPieces[0].outline, 2, 20)));
-    std::array<int, kPieceCount> coarse;
-    std::transform(kPieces.begin(), kPieces.end(), coarse.begin(),
-                   [&](const Piece& piece) { return gltf.addShape(turnedPiece(piece.outline, 2, 20)); });
+    addLamps(gltf, gltf.addShape(turnedPiece(kPieces[0].outline, 1, 14)));
+    std::array<std::array<int, kPieceCount>, kLods.size()> shapes{crowd.shapes};
+    for (size_t lod = 1; lod < kLods.size(); ++lod)
+        for (size_t i = 0; i < kPieceCount; ++i)
+            shapes[lod][i] =
+                gltf.addShape(turnedPiece(kPieces[i].outline, kLods[lod].steps, kLods[lod].segments));
     int placed = 0;
     for (int i = 0; placed < pieces; ++i) {
         const Seed seed = seedOf(i, pieces, 0.0f);
         const float size = glm::mix(0.46f, 0.66f, random01(i, 41)) * seed.spacing;
-        if (distanceToWay(seed.place) < kRoad + 0.5f * size)
+        const float distance = distanceToWay(seed.place);
+        if (distance < kRoad + 0.5f * size)
             continue;
         const size_t look = size_t(i) % kCrowdLooks; // a Fibonacci number: arms of one material
         const size_t shape = (look + size_t(i / 55)) % kPieceCount;
-        gltf.addObject(kPieces[shape].name + std::to_string(i),
-                       glm::length(seed.place) < kFine ? crowd.shapes[shape] : coarse[shape],
-                       crowd.materials[look],
+        const auto lod = size_t(
+            std::ranges::find_if(kLods, [&](const Lod& l) { return distance < l.farthest; }) - kLods.begin());
+        gltf.addObject(kPieces[shape].name + std::to_string(i), shapes[lod][shape], crowd.materials[look],
                        {.position = seed.place, .turnDegrees = 360.0f * random01(i, 42), .scale = size});
         ++placed;
     }

@@ -1,6 +1,7 @@
 #include "draw_pass.h"
 #include "vertex_input.h"
 #include <algorithm>
+#include <ranges>
 
 namespace lumel {
 
@@ -156,6 +157,23 @@ void DrawPass::drawPool(Frame& frame, const LitPool& pool)
     }
 }
 
+// The objects in view: what hides others is drawn before them, so that hidden pixels cost a depth test.
+std::vector<size_t> DrawPass::nearestFirst(const Frame& frame)
+{
+    std::vector<std::pair<float, size_t>> ranking; // by the distance of their middles
+    for (size_t i = 0; i < frame.inView.size(); ++i)
+        if (frame.inView[i]) {
+            const GpuObject& o = frame.scene.objects()[i];
+            const glm::vec3 centre = o.data.worldFromObject * glm::vec4(o.bounds.centre(), 1.0f);
+            ranking.emplace_back(glm::distance(centre, frame.eye), i);
+        }
+    std::ranges::sort(ranking);
+    std::vector<size_t> objects;
+    for (const auto& [distance, object] : ranking)
+        objects.push_back(object);
+    return objects;
+}
+
 void DrawPass::record(Frame& frame, const LitPool& pool)
 {
     const PassScope scope(frame, "draw");
@@ -201,20 +219,15 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
         commands.endRendering();
         return;
     }
-    std::vector<std::pair<float, size_t>> blended; // distance, object
-    std::vector<size_t> fading;                    // between lit texture and forward
+    std::vector<size_t> blended, fading; // fading: between lit texture and forward
     const auto& objects = frame.scene.objects();
     const auto& rooms = frame.rooms.objects();
-    for (size_t i = 0; i < objects.size(); ++i) {
-        if (!frame.inView[i])
-            continue;
+    for (const size_t i : nearestFirst(frame)) {
         const bool lit = frame.settings.shading == Shading::tsl && i < rooms.size() && rooms[i].texture;
         if (frame.settings.view != View::none) {
             drawView(frame, pool, i);
         } else if (objects[i].blend) {
-            const glm::vec3 centre =
-                objects[i].data.worldFromObject * glm::vec4(objects[i].bounds.centre(), 1.0f);
-            blended.emplace_back(glm::distance(centre, frame.eye), i);
+            blended.push_back(i);
         } else if (lit) {
             drawLit(frame, pool, i);
             if (rooms[i].share < 1.0f)
@@ -227,8 +240,7 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
         drawBackground(frame, pool); // where no depth is
     for (const size_t object : fading)
         drawForward(frame, pool, object, 1.0f - rooms[object].share);
-    std::sort(blended.begin(), blended.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-    for (const auto& [distance, object] : blended)
+    for (const size_t object : blended | std::views::reverse)
         drawForward(frame, pool, object, 1.0f);
     commands.endRendering();
 }
