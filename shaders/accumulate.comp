@@ -10,10 +10,8 @@ layout(set = 1, binding = 1, rgba32f) uniform image2D sum;
 
 void main()
 {
-    uvec2 size = view.sizePixels;
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= size.x * size.y)
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= view.sizePixels.x)
         return;
-    ivec2 pixel = ivec2(index % size.x, index / size.x);
     imageStore(sum, pixel, imageLoad(sum, pixel) + imageLoad(frame, pixel));
 }

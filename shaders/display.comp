@@ -11,10 +11,9 @@ layout(set = 1, binding = 1) uniform writeonly image2D display;
 
 void main()
 {
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= push.size.x * push.size.y)
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= push.size.x)
         return;
-    ivec2 pixel = ivec2(index % push.size.x, index / push.size.x);
     vec3 linear = texelFetch(radiance, pixel, 0).rgb * push.weight;
     imageStore(display, pixel, vec4(displayColour(linear, view.exposure, push.toneMap), 1.0));
 }

@@ -12,10 +12,9 @@ layout(set = 1, binding = 1) uniform writeonly image2D scaled;
 
 void main()
 {
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= push.to.x * push.to.y)
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= push.to.x)
         return;
-    ivec2 pixel = ivec2(index % push.to.x, index / push.to.x);
     bool sideways = push.from.x != push.to.x;
     uint from = sideways ? push.from.x : push.from.y, to = sideways ? push.to.x : push.to.y;
     float p = (float(sideways ? pixel.x : pixel.y) + 0.5) * float(from) / float(to) - 0.5;

@@ -1,6 +1,15 @@
 #include "display_pass.h"
 
 namespace lumel {
+namespace {
+
+// A row of groups for each row of pixels: software Vulkan divides integers one by one.
+void dispatchOver(vk::CommandBuffer commands, glm::uvec2 pixels)
+{
+    commands.dispatch(groupsOf64(pixels.x), pixels.y, 1);
+}
+
+} // namespace
 
 DisplayPass::DisplayPass(const gpu::Device& device, const GpuScene& scene, const Targets& targets)
     : sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
@@ -70,8 +79,7 @@ void DisplayPass::accumulate(Frame& frame)
     bindSets(frame, vk::PipelineBindPoint::eCompute, accumulate_, {*accumulateSet_});
     pushConstants(frame.commands, accumulate_,
                   shared::DisplayPush{.weight = 1.0f, .size = frame.renderSize, .toneMap = 0u});
-    const glm::uvec2 size = frame.settings.size;
-    frame.commands.dispatch(groupsOf64(size.x * size.y), 1, 1);
+    dispatchOver(frame.commands, frame.settings.size);
 }
 
 void DisplayPass::recordUpscale(Frame& frame)
@@ -82,7 +90,7 @@ void DisplayPass::recordUpscale(Frame& frame)
                           gpu::Use::computeSample);
         bindSets(frame, vk::PipelineBindPoint::eCompute, upscale_, {set});
         pushConstants(frame.commands, upscale_, push);
-        frame.commands.dispatch(groupsOf64(push.to.x * push.to.y), 1, 1);
+        dispatchOver(frame.commands, push.to);
     };
     scale(frame.targets.small, *widenSet_, {.from = from, .to = between});
     scale(frame.targets.wide, *heightenSet_, {.from = between, .to = size});
@@ -112,7 +120,7 @@ void DisplayPass::record(Frame& frame, int sampleCount)
                   shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)),
                                       .size = frame.renderSize,
                                       .toneMap = uint32_t(frame.settings.toneMap)});
-    commands.dispatch(groupsOf64(frame.renderSize.x * frame.renderSize.y), 1, 1);
+    dispatchOver(commands, frame.renderSize);
     if (small)
         recordUpscale(frame);
     gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,
