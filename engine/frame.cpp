@@ -66,6 +66,8 @@ void Renderer::assignRoom(Frame& frame)
         need.level += frame.detail.levelOffset;
         need.coarsest += quality_.levelBias; // within a frame budget, seams are the lesser evil
     }
+    for (size_t i = 0; quality_.restlessPerPixel && i < frame.needs.size(); ++i)
+        frame.needs[i].restless = restless_.is(i);
     rooms_.assign(pool_.bookkeeping(), frame.needs, frame.index);
     pool_.update();
     plan_.prepare(frame, pool_);
@@ -300,6 +302,9 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     scene_.adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, frameIndex_);
     shadow_.prepare(device_, scene_, settings_, frameIndex_);
     frame.inView = scene_.objectsInView(frame.clipFromWorld);
+    for (size_t i = 0; budget_ && i < frame.inView.size(); ++i)
+        if (frame.inView[i])
+            restless_.note(i, scene_.changedIn(i, frameIndex_));
     scene_.writeObjects();
     writeView(frame, glm::vec2(0.0f));
     if (sumSamples_ == 0)
@@ -358,6 +363,9 @@ void Renderer::keepToBudget()
         const auto found = stats_.passMs.find(pass);
         return found == stats_.passMs.end() ? 0.0 : found->second;
     };
+    size_t restless = 0;
+    for (size_t i = 0; i < inView_.size(); ++i)
+        restless += inView_[i] && restless_.is(i) ? 1 : 0;
     budget_->finished(
         {.total = stats_.ms,
          .find = ms("need") + ms("plan") + ms("lower"), // coarser tiles are looked at, lit or not
@@ -366,7 +374,9 @@ void Renderer::keepToBudget()
          .display = ms("display"),
          .found = settings_.shading != Shading::tsl || stats_.passMs.contains("need"),
          .lumelsLit = stats_.lumelsLit,
-         .lumelsPending = stats_.lumelsPending});
+         .lumelsPending = stats_.lumelsPending,
+         .lumelsAllowed = settings_.lumelBudget,
+         .restless = restless});
     if (budget_->outOfReach() && !budgetMissed_) {
         spdlog::warn(
             "a frame budget of {:g} ms is out of reach here: about {:.0f} ms at half the render scale; "

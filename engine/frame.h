@@ -9,6 +9,7 @@
 #include "passes/shadow_pass.h"
 #include "stats.h"
 #include "tsl/budget.h"
+#include "tsl/restless.h"
 
 namespace lumel {
 
@@ -85,6 +86,7 @@ private:
     FrameStats stats_;
     tsl::Rooms rooms_;
     std::optional<tsl::BudgetController> budget_;
+    tsl::Restless restless_;
     tsl::Quality quality_;      // of this frame
     bool budgetMissed_ = false; // said so
     uint32_t frameIndex_ = 0;

@@ -189,7 +189,8 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
         ->default_str("unlimited");
     command
         ->add_option("--budget-ms", a.settings.budgetMs,
-                     "hold each frame within this time: fewer lumels a frame, coarser ones, fewer pixels")
+                     "hold each frame within this time: fewer lumels a frame, coarser ones, fewer pixels; "
+                     "--msaa is then 1 unless given")
         ->check(CLI::Range(0.1, 10000.0))
         ->default_str("none");
     command
@@ -205,9 +206,14 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
     command->add_option("--anisotropy", a.settings.anisotropy, "tsl: most taps along a footprint")
         ->check(CLI::Range(1.0, 16.0))
         ->capture_default_str();
-    command->add_option("--msaa", a.settings.msaa, "coverage samples of tsl and forward")
-        ->check(CLI::IsMember({1, 4}))
-        ->capture_default_str();
+    auto* msaa = command->add_option("--msaa", a.settings.msaa, "coverage samples of tsl and forward")
+                     ->check(CLI::IsMember({1, 4}))
+                     ->capture_default_str();
+    // Four samples cost as much as twice the render scale.
+    command->parse_complete_callback([&a, msaa] {
+        if (a.settings.budgetMs > 0.0 && msaa->count() == 0)
+            a.settings.msaa = 1;
+    });
     command->add_option("--exposure", a.settings.exposure, "display: multiplies radiance")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();

@@ -442,6 +442,18 @@ std::array<uint32_t, shared::kListedLights / 32> GpuScene::lightsReaching(size_t
     return listed;
 }
 
+bool GpuScene::changedIn(size_t object, uint32_t frame) const
+{
+    if (objects_[object].data.changed >= frame)
+        return true;
+    const auto reaching = lightsReaching(object);
+    const auto* lights = lights_.mapped<const shared::Light>();
+    for (uint32_t i = 0; i < lightCount_; ++i)
+        if (lights[i].changed >= frame && (i >= shared::kListedLights || (reaching[i / 32] >> i % 32 & 1u)))
+            return true;
+    return false;
+}
+
 void GpuScene::drawTriangles(vk::CommandBuffer commands, size_t object) const
 {
     const GpuObject& o = objects_[object];

@@ -104,6 +104,9 @@ public:
     // The lights that may reach the object, by its bounding ball: bit i of word i / 32 is light i.
     std::array<uint32_t, shared::kListedLights / 32> lightsReaching(size_t object) const;
 
+    // Has the object moved in this frame, or a light that may reach it?
+    bool changedIn(size_t object, uint32_t frame) const;
+
     // Draws an object's triangles with the bound pipeline, its winding and culling set.
     void drawTriangles(vk::CommandBuffer commands, size_t object) const;
 

@@ -18,6 +18,10 @@ constexpr double kLeastExcess = 1.0, kMostExcess = 1.4;
 constexpr double kLongWait = 32.0, kShortWait = 4.0;
 constexpr float kCoarserStep = 1.0f / 16.0f, kFinerStep = 1.0f / 32.0f; // levels a frame: no jump to be seen
 
+// What shading pixels makes of the least that a frame costs, before it is known.
+constexpr double kPerPixelGuess = 1.5;
+constexpr int kFramesToRetry = 600;
+
 constexpr int kFramesToFall = 4;
 constexpr float kMostRise = 1.0f / 16.0f;
 constexpr int kFramesBetweenRises = 4;
@@ -114,7 +118,7 @@ void BudgetController::moveScale(double target)
 
 void BudgetController::moveLevelBias(const FrameCost& cost)
 {
-    const double wait = double(cost.lumelsPending) / double(quality_.lumels);
+    const double wait = double(cost.lumelsPending) / double(std::min(quality_.lumels, cost.lumelsAllowed));
     latency_ += 0.2 * (std::min(wait, 4.0 * kLongWait) - latency_);
     float& bias = quality_.levelBias;
     if (latency_ > kLongWait)
@@ -123,11 +127,29 @@ void BudgetController::moveLevelBias(const FrameCost& cost)
         bias = std::max(bias - kFinerStep, 0.0f);
 }
 
+// Light that waits while its lamps move on is of another second, which is worse than fewer pixels: shading
+// pixels costs more than drawing lumels, but none of it waits.
+void BudgetController::moveRestless(const FrameCost& cost, double target)
+{
+    const bool behind = cost.restless > 0 && latency_ > kShortWait && kPerPixelGuess * floorMs() < target;
+    framesBehind_ = behind ? framesBehind_ + 1 : std::min(framesBehind_, 0);
+    framesCalm_ = cost.restless > 0 ? 0 : framesCalm_ + 1;
+    if (quality_.restlessPerPixel && framesAtFloor_ >= kPatience) {
+        quality_.restlessPerPixel = false; // it cost more than there is
+        framesBehind_ = -kFramesToRetry;
+    } else if (framesBehind_ >= kPatience) {
+        quality_.restlessPerPixel = true;
+    } else if (framesCalm_ >= kPatience) {
+        quality_.restlessPerPixel = false;
+    }
+}
+
 void BudgetController::finished(const FrameCost& cost)
 {
     model_.learn(cost, quality_);
     const double target = budget_ / model_.excess();
     moveLevelBias(cost);
+    moveRestless(cost, target);
     moveScale(target);
     allotLumels(target);
     const bool atFloor = quality_.renderScale == kLeastRenderScale && floorMs() > budget_;

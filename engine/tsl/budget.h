@@ -1,5 +1,5 @@
 // Budget: what the next frame may do so that it ends in time. Three knobs, in this order: lumels lit, levels
-// that all lumels are coarser, render scale.
+// that all lumels are coarser, render scale; and a switch for light that lumels cannot follow.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -10,13 +10,15 @@ namespace lumel::tsl {
 
 // The knobs of one frame.
 struct Quality {
-    uint32_t lumels = ~0u;    // to light at most
-    float levelBias = 0.0f;   // levels, 0 to kMostLevelBias
-    float renderScale = 1.0f; // of the picture's width and height, kLeastRenderScale to 1
+    uint32_t lumels = ~0u;         // to light at most
+    float levelBias = 0.0f;        // levels, 0 to kMostLevelBias
+    float renderScale = 1.0f;      // of the picture's width and height, kLeastRenderScale to 1
+    bool restlessPerPixel = false; // objects whose light changes frame after frame leave texture space
 
     bool samePicture(const Quality& other) const // once everything is lit
     {
-        return levelBias == other.levelBias && renderScale == other.renderScale;
+        return levelBias == other.levelBias && renderScale == other.renderScale &&
+               restlessPerPixel == other.restlessPerPixel;
     }
 };
 inline constexpr float kMostLevelBias = 2.0f;
@@ -32,6 +34,8 @@ struct FrameCost {
     double display = 0.0;
     bool found = true; // false: nothing had changed, so that nothing was looked for
     size_t lumelsLit = 0, lumelsPending = 0;
+    uint32_t lumelsAllowed = ~0u; // by other limits
+    size_t restless = 0;          // objects in view whose light changes frame after frame
 };
 
 // The median of the last few values: blind to a spike of one or two frames, such as a pipeline's first use.
@@ -82,6 +86,7 @@ private:
     float scaleFor(double ms) const;
     void moveScale(double target);
     void moveLevelBias(const FrameCost& cost);
+    void moveRestless(const FrameCost& cost, double target);
     void allotLumels(double target);
 
     double budget_;
@@ -90,6 +95,7 @@ private:
     double latency_ = 0.0; // frames until what waits is lit, smoothed
     int framesAtFloor_ = 0;
     int framesOver_ = 0, framesUnder_ = 0;
+    int framesBehind_ = 0, framesCalm_ = 0;
     int framesSinceRise_ = kMostPatience;
     int patience_ = kPatience; // frames that a greater scale must be affordable before it is taken
 };

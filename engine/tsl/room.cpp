@@ -7,6 +7,7 @@
 namespace lumel::tsl {
 namespace {
 
+constexpr uint64_t kRestlessTurns = 24; // frames
 constexpr float kFadeStep = 1.0f / float(shared::kFadeFrames);
 
 glm::uvec2 textureSize(const ObjectNeed& need, uint32_t litLevel)
@@ -106,7 +107,9 @@ void Rooms::assignObject(TexturePool& pool, const ObjectNeed& need, size_t objec
         return;
     const float across = lumelsAcross(need);
     const bool away = room.share < 1.0f && known_[object];
-    const bool leaves = across < (away ? kReturn : kLeave) ||
+    // Restless objects leave a few at a time: while one fades, both its ways are drawn.
+    const bool turn = away || !known_[object] || (object + frame) % kRestlessTurns == 0;
+    const bool leaves = across < (away ? kReturn : kLeave) || (need.restless && turn) ||
                         need.level > need.coarsest + (away ? kReturnLevel : kLeaveLevel);
     const float target = leaves ? 0.0f : 1.0f;
     room.share = known_[object] ? towards(room.share, target) : target;

@@ -15,6 +15,7 @@ struct ObjectNeed {
     uint32_t samples = 0;                       // of the need pass that saw it
     float coarsest = float(shared::kMaxLevels); // level from which its charts run into each other
     glm::uvec2 litSize{0};                      // lumels of level 0
+    bool restless = false;                      // its light changes too often to be worth lumels
 };
 
 struct ObjectRoom {

@@ -155,6 +155,36 @@ TEST_F(BudgetTest, AScaledFrameIsTheSmallFramesPictureUpscaled)
             }
 }
 
+TEST_F(BudgetTest, LightThatLumelsCannotFollowIsShadedPerPixelWhileItMoves)
+{
+    TestScene s = plates(2, bumpyMaps(256, 1.0f, 100.0f));
+    const scene::Camera camera = cameraAt({0.3f, 0.2f, 3.0f});
+    Settings settings = budgetOf(5000.0); // time is not what this test is about: lumels are rationed
+    settings.lumelBudget = 512;
+    Renderer renderer(device(), s.scene, s.materials, settings);
+    const auto moveSun = [&](Renderer& r, int frame) {
+        std::vector<scene::Light> lights = s.scene.lights;
+        lights[0].direction = glm::normalize(glm::vec3(0.02f * float(frame) - 0.5f, 0.1f, -1.0f));
+        r.setLights(lights);
+    };
+    FrameStats stats;
+    for (int frame = 0; frame < 90; ++frame) {
+        moveSun(renderer, frame);
+        stats = renderer.render(camera);
+    }
+    EXPECT_EQ(stats.objectsForward, 4u);
+    EXPECT_EQ(stats.lumelsPending, 0u);
+    settings.budgetMs = 0.0;
+    settings.shading = Shading::forward;
+    Renderer forward(device(), s.scene, s.materials, settings);
+    moveSun(forward, 89);
+    forward.render(camera);
+    EXPECT_GT(psnr(renderer.readDisplay(), forward.readDisplay()), 60.0);
+    for (int frame = 0; frame < 60; ++frame)
+        stats = renderer.render(camera);
+    EXPECT_EQ(stats.objectsTsl, 4u); // all is quiet again
+}
+
 TEST_F(BudgetTest, AnAmpleBudgetIsNoOtherPicture)
 {
     const TestScene s = plates(2, bumpyMaps(64, 0.5f, 60.0f));
