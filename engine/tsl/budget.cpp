@@ -20,7 +20,7 @@ constexpr float kCoarserStep = 1.0f / 16.0f, kFinerStep = 1.0f / 32.0f; // level
 
 // What shading pixels makes of the least that a frame costs, before it is known.
 constexpr double kPerPixelGuess = 1.5;
-constexpr int kFramesToRetry = 600;
+constexpr int kMostFramesToRetry = 1200;
 
 constexpr int kFramesToFall = 4;
 constexpr float kMostRise = 1.0f / 16.0f;
@@ -134,9 +134,13 @@ void BudgetController::moveRestless(const FrameCost& cost, double target)
     const bool behind = cost.restless > 0 && latency_ > kShortWait && kPerPixelGuess * floorMs() < target;
     framesBehind_ = behind ? framesBehind_ + 1 : std::min(framesBehind_, 0);
     framesCalm_ = cost.restless > 0 ? 0 : framesCalm_ + 1;
-    if (quality_.restlessPerPixel && framesAtFloor_ >= kPatience) {
-        quality_.restlessPerPixel = false; // it cost more than there is
-        framesBehind_ = -kFramesToRetry;
+    const bool dear =
+        quality_.restlessPerPixel && quality_.renderScale == kLeastRenderScale && floorMs() > target;
+    framesDear_ = dear ? framesDear_ + 1 : 0;
+    if (framesDear_ >= kFramesToFall) {
+        quality_.restlessPerPixel = false; // it costs more than there is
+        framesBehind_ = -framesToRetry_;
+        framesToRetry_ = std::min(2 * framesToRetry_, kMostFramesToRetry);
     } else if (framesBehind_ >= kPatience) {
         quality_.restlessPerPixel = true;
     } else if (framesCalm_ >= kPatience) {

@@ -95,7 +95,8 @@ private:
     double latency_ = 0.0; // frames until what waits is lit, smoothed
     int framesAtFloor_ = 0;
     int framesOver_ = 0, framesUnder_ = 0;
-    int framesBehind_ = 0, framesCalm_ = 0;
+    int framesBehind_ = 0, framesCalm_ = 0, framesDear_ = 0; // of lights that lumels cannot follow
+    int framesToRetry_ = 150;
     int framesSinceRise_ = kMostPatience;
     int patience_ = kPatience; // frames that a greater scale must be affordable before it is taken
 };

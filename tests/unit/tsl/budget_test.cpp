@@ -268,8 +268,8 @@ TEST(Budget, ShadingPerPixelThatTakesTooLongIsGivenUp)
         changes += run.qualities[i].restlessPerPixel != run.qualities[i - 1].restlessPerPixel ? 1 : 0;
     }
     EXPECT_GT(frames, 0);
-    EXPECT_LT(frames, 50);
-    EXPECT_EQ(changes, 2);
+    EXPECT_LT(frames, 80);
+    EXPECT_LE(changes, 4); // tried again once
     EXPECT_LT(run.percentile(200, 500, 0.95), 1.1 * 30.0);
 }
 
