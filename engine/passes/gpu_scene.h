@@ -58,6 +58,7 @@ public:
     // The view and the lights: set 0 of every pipeline. Frames are waited for, so one set serves all.
     const gpu::SetLayout& frameLayout() const { return frameLayout_; }
     vk::DescriptorSet frameSet() const { return *frameSet_; }
+    vk::Buffer viewBuffer() const { return view_.handle(); }
     void writeView(const shared::View& view) { *view_.mapped<shared::View>() = view; }
     // Lights as of `frame`: what a light that changed reaches is lit again. Throws Error beyond kMaxLights.
     void setLights(const std::vector<scene::Light>& lights, uint32_t frame);

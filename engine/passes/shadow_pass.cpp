@@ -97,7 +97,9 @@ float texelOf(const glm::mat4& clipFromWorld, uint32_t size)
 } // namespace
 
 ShadowPass::ShadowPass(const gpu::Device& device, GpuScene& scene)
-    : sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
+    : viewLayout_(gpu::makeSetLayout(device, {vk::DescriptorType::eUniformBuffer})),
+      viewSet_(gpu::makeSet(device, viewLayout_)),
+      sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
                                  .minFilter = vk::Filter::eLinear,
                                  .addressModeU = vk::SamplerAddressMode::eClampToBorder,
                                  .addressModeV = vk::SamplerAddressMode::eClampToBorder,
@@ -107,10 +109,11 @@ ShadowPass::ShadowPass(const gpu::Device& device, GpuScene& scene)
       solid_(gpu::makeGraphicsPipeline(device, {.vertex = "shadow.vert",
                                                 .bindings = kMeshBindings,
                                                 .attributes = attributes(),
-                                                .sets = {*scene.frameLayout()},
+                                                .sets = {*viewLayout_},
                                                 .pushBytes = sizeof(shared::ShadowPush),
                                                 .color = vk::Format::eUndefined}))
 {
+    gpu::writeUniform(device, *viewSet_, 0, scene.viewBuffer());
     allocate(device, scene, 1, 1);
 }
 
@@ -180,15 +183,15 @@ const gpu::Pipeline& ShadowPass::pipelineOf(const Frame& frame, const GpuObject&
     const uint32_t features = object.coloured ? shared::kFeatureColoured : 0u;
     gpu::Pipeline& masked = masked_[features];
     if (!*masked.handle)
-        masked = gpu::makeGraphicsPipeline(
-            frame.device, {.vertex = "shadow.vert",
-                           .fragment = "shadow.frag",
-                           .bindings = kMeshBindings,
-                           .attributes = attributes(),
-                           .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
-                           .pushBytes = sizeof(shared::ShadowPush),
-                           .color = vk::Format::eUndefined,
-                           .features = features});
+        masked =
+            gpu::makeGraphicsPipeline(frame.device, {.vertex = "shadow.vert",
+                                                     .fragment = "shadow.frag",
+                                                     .bindings = kMeshBindings,
+                                                     .attributes = attributes(),
+                                                     .sets = {*viewLayout_, *frame.scene.materialLayout()},
+                                                     .pushBytes = sizeof(shared::ShadowPush),
+                                                     .color = vk::Format::eUndefined,
+                                                     .features = features});
     return masked;
 }
 
@@ -196,10 +199,11 @@ void ShadowPass::drawCaster(Frame& frame, const Map& map, size_t object)
 {
     const GpuObject& o = frame.scene.objects()[object];
     const gpu::Pipeline& pipeline = pipelineOf(frame, o);
+    frame.commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipeline.handle);
+    std::vector<vk::DescriptorSet> sets{*viewSet_};
     if (o.data.flags & shared::kObjectMask)
-        bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline, {*o.material->set});
-    else
-        bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline);
+        sets.push_back(*o.material->set);
+    frame.commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *pipeline.layout, 0, sets, nullptr);
     pushConstants(frame.commands, pipeline,
                   shared::ShadowPush{.clipFromWorld = map.clipFromWorld, .object = uint32_t(object)});
     frame.scene.drawTriangles(frame.commands, object);

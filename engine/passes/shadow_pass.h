@@ -23,6 +23,10 @@ private:
     void drawCaster(Frame& frame, const Map& map, size_t object);
     const gpu::Pipeline& pipelineOf(const Frame& frame, const GpuObject& object);
 
+    // Set 0 of the casters' pipelines: the view alone. The frame's set holds the maps themselves, and
+    // software Vulkan ends a picture before each draw that could read it.
+    gpu::SetLayout viewLayout_;
+    vk::raii::DescriptorSet viewSet_ = nullptr;
     vk::raii::Sampler sampler_;
     gpu::Image maps_; // an array, a layer for each light
     std::vector<vk::raii::ImageView> layers_;
