@@ -64,13 +64,29 @@ private:
         const auto normal = mapping(in_.normalTexture), base = mapping(pbr.baseColorTexture),
                    metal = mapping(pbr.metallicRoughnessTexture), occlusion = mapping(in_.occlusionTexture),
                    emissive = mapping(in_.emissiveTexture);
-        out_.uv = normal ? *normal : base ? *base : metal.value_or(UvMapping{});
+        const auto specular = mapping(textureOf(extension("KHR_materials_specular"), "specularTexture")),
+                   specularColor =
+                       mapping(textureOf(extension("KHR_materials_specular"), "specularColorTexture")),
+                   anisotropy =
+                       mapping(textureOf(extension("KHR_materials_anisotropy"), "anisotropyTexture"));
+        out_.uv = UvMapping{};
+        for (const auto& first : {normal, base, metal, specular, specularColor, anisotropy})
+            if (first) {
+                out_.uv = *first;
+                break;
+            }
         out_.glowUv = occlusion ? *occlusion : emissive.value_or(out_.uv);
         out_.baseColorUv = base.value_or(out_.uv);
         out_.metallicRoughnessUv = metal.value_or(out_.uv);
+        out_.specularUv = specular.value_or(out_.uv);
+        out_.specularColorUv = specularColor.value_or(out_.uv);
+        out_.anisotropyUv = anisotropy.value_or(out_.uv);
         out_.emissiveUv = emissive.value_or(out_.glowUv);
         sayUnlike(out_.uv, out_.baseColorUv, "baseColorTexture");
         sayUnlike(out_.uv, out_.metallicRoughnessUv, "metallicRoughnessTexture");
+        sayUnlike(out_.uv, out_.specularUv, "specularTexture");
+        sayUnlike(out_.uv, out_.specularColorUv, "specularColorTexture");
+        sayUnlike(out_.uv, out_.anisotropyUv, "anisotropyTexture");
         sayUnlike(out_.glowUv, out_.emissiveUv, "emissiveTexture");
     }
 

@@ -212,7 +212,8 @@ void setColours(const Material& m, Decoder& decoder, baker::Maps& maps)
 {
     const SameSize<4> images({decoder.get(m.baseColorImage, m.baseColorUv, m.uv),
                               decoder.get(m.metallicRoughnessImage, m.metallicRoughnessUv, m.uv),
-                              decoder.get(m.specularImage), decoder.get(m.specularColorImage)});
+                              decoder.get(m.specularImage, m.specularUv, m.uv),
+                              decoder.get(m.specularColorImage, m.specularColorUv, m.uv)});
     Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
     const float ks = dielectricKs(m.ior);
     for (int y = 0; y < images.height; ++y)
@@ -369,7 +370,8 @@ baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
     const auto roughness = setRoughness(
         material, decoder.get(material.metallicRoughnessImage, material.metallicRoughnessUv, material.uv),
         maps);
-    setAnisotropy(material, decoder.get(material.anisotropyImage), roughness, maps);
+    setAnisotropy(material, decoder.get(material.anisotropyImage, material.anisotropyUv, material.uv),
+                  roughness, maps);
     return maps;
 }
 

@@ -94,7 +94,7 @@ struct Material {
     // emission.
     UvMapping uv, glowUv;
     // Their own, where they are not the first of their kind: moved to the common place while baking.
-    UvMapping baseColorUv, metallicRoughnessUv, emissiveUv;
+    UvMapping baseColorUv, metallicRoughnessUv, specularUv, specularColorUv, anisotropyUv, emissiveUv;
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;

@@ -94,6 +94,30 @@ TEST_F(MaterialMaps, MapsWithTransformsOfTheirOwnAreMoved)
     EXPECT_EQ(texels().pixels, still.pixels);
 }
 
+TEST_F(MaterialMaps, SpecularAndAnisotropyMapsAreMovedToo)
+{
+    material.metallic = 0.0f;
+    const auto ramp = [](int x, int, int) { return 60 * x; };
+    const auto expectMoved = [&](int& slot, UvMapping& uv, const std::function<Image()>& map) {
+        slot = addImage(4, 1, 4, ramp);
+        const Image still = map();
+        uv.offset = {0.5f, 0.0f};
+        const Image shifted = map();
+        ASSERT_EQ(shifted.width, 4);
+        for (int x = 0; x < 4; ++x)
+            EXPECT_NEAR(shifted.at(x, 0)[0], still.at((x + 2) % 4, 0)[0], 1e-4f);
+        EXPECT_NE(still.at(0, 0)[0], still.at(2, 0)[0]);
+        slot = -1;
+    };
+    const auto specular = [&] { return reflectanceMaps(scene, material).specular; };
+    expectMoved(material.specularImage, material.specularUv, specular);
+    expectMoved(material.specularColorImage, material.specularColorUv, specular);
+    material.anisotropy = 1.0f;
+    material.roughness = 0.4f;
+    expectMoved(material.anisotropyImage, material.anisotropyUv,
+                [&] { return reflectanceMaps(scene, material).anisotropy; });
+}
+
 TEST_F(MaterialMaps, ColoursAreDecodedFromSrgbAndMultiplied)
 {
     material.metallic = 0.0f;
