@@ -22,6 +22,10 @@ struct Bounds {
         lower = glm::min(lower, p);
         upper = glm::max(upper, p);
     }
+    glm::vec3 corner(int i) const // of the eight
+    {
+        return {i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y, i & 4 ? upper.z : lower.z};
+    }
     bool empty() const { return lower.x > upper.x; }
     glm::vec3 centre() const { return 0.5f * (lower + upper); }
     // Radius of the sphere around the box.

@@ -1,54 +1,11 @@
 #include "gpu_scene.h"
-#include "core/error.h"
-#include "core/image.h"
 #include "lit_pool.h"
 #include "scene/environment.h"
 #include "scene/material_maps.h"
-#include "shared/shading.h"
-#include <fmt/format.h>
-#include <glm/gtc/packing.hpp>
-#include <tbb/parallel_for.h>
+#include "upload.h"
 
 namespace lumel {
 namespace {
-
-using baker::kChannels;
-using HalfLevels = std::vector<std::vector<uint16_t>>;
-
-// Four channels of every level, packed to half floats.
-HalfLevels packLevels(const baker::ReflectanceMips& mips, std::array<baker::Channel, 4> channels)
-{
-    HalfLevels packed;
-    for (const baker::Level& level : mips.levels) {
-        const size_t count = size_t(level.width) * level.height;
-        std::vector<uint16_t> halves(count * 4);
-        tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 65536), [&](const auto& range) {
-            std::vector<float> row(range.size() * 4);
-            for (size_t i = range.begin(); i < range.end(); ++i)
-                for (size_t c = 0; c < 4; ++c)
-                    row[(i - range.begin()) * 4 + c] = level.texels[i * kChannels + size_t(channels[c])];
-            floatsToHalf(row, halves.data() + range.begin() * 4);
-        });
-        packed.push_back(std::move(halves));
-    }
-    return packed;
-}
-
-gpu::Image uploadChain(const gpu::Device& device, const std::vector<Image>& chain, const std::string& name)
-{
-    HalfLevels packed;
-    for (const Image& image : chain) {
-        const size_t count = size_t(image.width) * image.height;
-        std::vector<float> rgba(count * 4, 1.0f);
-        for (size_t i = 0; i < count; ++i)
-            std::copy_n(image.pixels.data() + i * size_t(image.channels), image.channels,
-                        rgba.data() + i * 4);
-        packed.emplace_back(rgba.size());
-        floatsToHalf(rgba, packed.back().data());
-    }
-    return gpu::uploadHalfImage(device, uint32_t(chain.front().width), uint32_t(chain.front().height), packed,
-                                name);
-}
 
 // By scene::Wrap.
 constexpr std::array kAddressModes = {vk::SamplerAddressMode::eRepeat,
@@ -77,16 +34,6 @@ float glowLevelOffset(const scene::Mesh& mesh)
     return glow > 0.0 && own > 0.0 ? float(0.5 * std::log2(glow / own)) : 0.0f;
 }
 
-gpu::Buffer uploadColours(const gpu::Device& device, const scene::Mesh& mesh)
-{
-    if (mesh.colours.empty())
-        return {};
-    std::vector<glm::uvec2> packed;
-    for (const glm::vec4& c : mesh.colours)
-        packed.emplace_back(glm::packHalf2x16({c.r, c.g}), glm::packHalf2x16({c.b, c.a}));
-    return gpu::uploadBuffer(device, packed, mesh.name + " colours");
-}
-
 // What is not metal reflects this much whatever its base colour is; that of a specular-glossiness material
 // has no say in reflectance at all: -1.
 float dielectricReflectance(const scene::Material& material)
@@ -95,21 +42,6 @@ float dielectricReflectance(const scene::Material& material)
         return -1.0f;
     const float ratio = (material.ior - 1.0f) / (material.ior + 1.0f); // KHR_materials_ior; 0 gives 1
     return ratio * ratio * material.specular;
-}
-
-shared::Light packLight(const scene::Light& light)
-{
-    shared::Light packed{};
-    packed.type = uint32_t(light.type);
-    packed.position = light.position;
-    packed.direction = light.direction;
-    packed.inverseRange = light.range > 0.0f ? 1.0f / light.range : 0.0f;
-    packed.intensity = light.colour * light.intensity;
-    // KHR_lights_punctual, "Inner and Outer Cone Angles": the reference's scale and offset.
-    const float outer = std::cos(light.outerCone), inner = std::cos(light.innerCone);
-    packed.coneScale = 1.0f / std::max(0.001f, inner - outer);
-    packed.coneOffset = -outer * packed.coneScale;
-    return packed;
 }
 
 } // namespace
@@ -159,7 +91,7 @@ void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMater
     const auto& mips = baked.reflectance;
     const auto width = uint32_t(mips.levels.front().width), height = uint32_t(mips.levels.front().height);
     const auto upload = [&](std::array<baker::Channel, 4> channels, const char* what) {
-        return gpu::uploadHalfImage(device, width, height, packLevels(mips, channels), name + what);
+        return uploadChannels(device, mips, channels, name + what);
     };
     GpuMaterial material;
     material.size = {width, height};
@@ -186,92 +118,6 @@ void GpuScene::makeFrameSet(const gpu::Device& device)
     frameSet_ = gpu::makeSet(device, frameLayout_);
     gpu::writeUniform(device, *frameSet_, 0, view_.handle());
     gpu::writeUniform(device, *frameSet_, 1, lights_.handle());
-}
-
-void GpuScene::touchAll(uint32_t frame)
-{
-    changed_ = frame;
-    for (GpuObject& object : objects_)
-        object.data.changed = frame;
-}
-
-void GpuScene::setEnvironment(const gpu::Device& device,
-                              std::shared_ptr<const scene::Environment> environment, uint32_t frame)
-{
-    environment_ = std::move(environment);
-    const std::vector<Image> black = {Image(1, 1, 3)};
-    environmentMap_ = uploadChain(device, environment_ ? environment_->levels : black, "environment");
-    gpu::writeSampled(device, *frameSet_, 2, *samplers_.back(), environmentMap_.view()); // clamped
-    const shared::EnvironmentView before = std::exchange(environmentView_, {});
-    adjustEnvironment(before.intensity, glm::degrees(std::atan2(before.turn.y, before.turn.x)), frame);
-    touchAll(frame);
-}
-
-void GpuScene::adjustEnvironment(float intensity, float degrees, uint32_t frame)
-{
-    shared::EnvironmentView view{.diffuse = {},
-                                 .intensity = intensity,
-                                 .turn = {std::cos(glm::radians(degrees)), std::sin(glm::radians(degrees))}};
-    for (size_t i = 0; environment_ && i < environment_->diffuse.size(); ++i)
-        view.diffuse[i] = environment_->diffuse[i] * intensity;
-    if (std::memcmp(&view, &environmentView_, sizeof(view)) == 0)
-        return;
-    environmentView_ = view;
-    touchAll(frame);
-}
-
-void GpuScene::bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps)
-{
-    gpu::writeSampled(device, *frameSet_, 3, sampler, maps);
-}
-
-void GpuScene::setShadows(const std::vector<shared::Shadow>& shadows, uint32_t frame)
-{
-    // A light that got or lost its map is another for all that it reaches.
-    const auto touchMissing = [&](const auto& from, const auto& in) {
-        for (const shared::Shadow& shadow : from)
-            if (shadow.light < lightCount_ &&
-                std::ranges::none_of(in, [&](const auto& s) { return s.light == shadow.light; }))
-                touchLight(shadow.light, frame);
-    };
-    touchMissing(shadows_, shadows);
-    touchMissing(shadows, shadows_);
-    shadows_ = shadows;
-}
-
-// A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the
-// brightest directional light's irradiance, a third of that from below.
-void GpuScene::setSky(const std::vector<scene::Light>& lights, uint32_t frame)
-{
-    float brightest = 0.0f;
-    for (const scene::Light& light : lights)
-        if (light.type == scene::LightType::directional)
-            brightest = std::max(brightest, light.intensity);
-    const glm::vec3 sky(0.04f * brightest);
-    if (sky == sky_)
-        return;
-    sky_ = sky;
-    ground_ = sky_ / 3.0f;
-    touchAll(frame);
-}
-
-void GpuScene::setLights(const std::vector<scene::Light>& lights, uint32_t frame)
-{
-    if (lights.size() > shared::kMaxLights)
-        throw Error(fmt::format("the scene has {} lights, the limit is {}; remove some", lights.size(),
-                                shared::kMaxLights));
-    auto* table = lights_.mapped<shared::Light>();
-    const bool recount = lights.size() != lightCount_;
-    for (size_t i = 0; i < lights.size(); ++i) {
-        shared::Light light = packLight(lights[i]);
-        light.changed = table[i].changed;
-        if (recount || std::memcmp(&light, &table[i], sizeof(light)) != 0) {
-            light.changed = changed_ = frame;
-            table[i] = light;
-        }
-    }
-    lightCount_ = uint32_t(lights.size());
-    setSky(lights, frame);
 }
 
 void GpuScene::moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame)
@@ -408,9 +254,7 @@ std::vector<uint8_t> GpuScene::objectsInView(const glm::mat4& clipFromWorld) con
         // near (reversed depth: z <= w); infinity has no far plane.
         std::array<int, 5> outside{};
         for (int corner = 0; corner < 8; ++corner) {
-            const glm::vec3 p(corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
-                              corner & 4 ? box.upper.z : box.lower.z);
-            const glm::vec4 clip = clipFromObject * glm::vec4(p, 1.0f);
+            const glm::vec4 clip = clipFromObject * glm::vec4(box.corner(corner), 1.0f);
             outside[0] += clip.x < -clip.w;
             outside[1] += clip.x > clip.w;
             outside[2] += clip.y < -clip.w;
@@ -420,38 +264,6 @@ std::vector<uint8_t> GpuScene::objectsInView(const glm::mat4& clipFromWorld) con
         inView[i] = std::none_of(outside.begin(), outside.end(), [](int n) { return n == 8; });
     }
     return inView;
-}
-
-std::array<uint32_t, shared::kListedLights / 32> GpuScene::lightsReaching(size_t object) const
-{
-    const GpuObject& o = objects_[object];
-    const glm::mat4& m = o.data.worldFromObject;
-    const glm::vec3 centre = m * glm::vec4(o.bounds.centre(), 1.0f);
-    float radius = 0.0f; // to the farthest corner of the box
-    for (int corner = 0; corner < 8; ++corner) {
-        const glm::vec3 side((corner & 1) ? 1.0f : -1.0f, (corner & 2) ? 1.0f : -1.0f,
-                             (corner & 4) ? 1.0f : -1.0f);
-        radius =
-            std::max(radius, glm::length(glm::mat3(m) * (0.5f * side * (o.bounds.upper - o.bounds.lower))));
-    }
-    const auto* lights = lights_.mapped<const shared::Light>();
-    std::array<uint32_t, shared::kListedLights / 32> listed{};
-    for (uint32_t i = 0; i < std::min(lightCount_, shared::kListedLights); ++i)
-        if (shared::lightReaches(lights[i], centre, radius))
-            listed[i / 32] |= 1u << i % 32;
-    return listed;
-}
-
-bool GpuScene::changedIn(size_t object, uint32_t frame) const
-{
-    if (objects_[object].data.changed >= frame)
-        return true;
-    const auto reaching = lightsReaching(object);
-    const auto* lights = lights_.mapped<const shared::Light>();
-    for (uint32_t i = 0; i < lightCount_; ++i)
-        if (lights[i].changed >= frame && (i >= shared::kListedLights || (reaching[i / 32] >> i % 32 & 1u)))
-            return true;
-    return false;
 }
 
 void GpuScene::drawTriangles(vk::CommandBuffer commands, size_t object) const

@@ -17,17 +17,11 @@ std::vector<vk::VertexInputAttributeDescription> attributes()
 // Spot lights this wide see nearly a half space, of which no plane map is a picture.
 constexpr float kWidestSpot = 1.4f; // radians, half angle
 
-glm::vec3 cornerOf(const Bounds& b, int corner)
-{
-    return {corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y,
-            corner & 4 ? b.upper.z : b.lower.z};
-}
-
 Bounds worldBounds(const GpuObject& object)
 {
     Bounds bounds;
     for (int corner = 0; corner < 8; ++corner)
-        bounds.add(object.data.worldFromObject * glm::vec4(cornerOf(object.bounds, corner), 1.0f));
+        bounds.add(object.data.worldFromObject * glm::vec4(object.bounds.corner(corner), 1.0f));
     return bounds;
 }
 
@@ -76,7 +70,7 @@ glm::mat4 clipFromWorldOf(const Light& light, const Bounds& bounds)
     const glm::mat4 fromWorld = lightFromWorld(light);
     Bounds seen;
     for (int corner = 0; corner < 8; ++corner)
-        seen.add(fromWorld * glm::vec4(cornerOf(bounds, corner), 1.0f));
+        seen.add(fromWorld * glm::vec4(bounds.corner(corner), 1.0f));
     const float slack = 0.01f * std::max(bounds.radius(), 1e-6f);
     if (light.type == shared::kLightDirectional)
         return reversedOrthographic(seen.lower - slack, seen.upper + slack) * fromWorld;
