@@ -302,9 +302,8 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     scene_.adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, frameIndex_);
     shadow_.prepare(device_, scene_, settings_, frameIndex_);
     frame.inView = scene_.objectsInView(frame.clipFromWorld);
-    for (size_t i = 0; budget_ && i < frame.inView.size(); ++i)
-        if (frame.inView[i])
-            restless_.note(i, scene_.changedIn(i, frameIndex_));
+    if (budget_ && settings_.shading == Shading::tsl)
+        noteRestless(frame);
     scene_.writeObjects();
     writeView(frame, glm::vec2(0.0f));
     if (sumSamples_ == 0)
@@ -333,25 +332,14 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     return stats_;
 }
 
-std::vector<ObjectStats> Renderer::objectStats() const
+void Renderer::noteRestless(const Frame& frame)
 {
-    std::vector<ObjectStats> objects(inView_.size());
-    for (size_t i = 0; i < objects.size(); ++i) {
-        const bool lit = i < rooms_.objects().size() && rooms_.objects()[i].texture;
-        objects[i].mode = !inView_[i] ? "culled" : lit ? "tsl" : "forward";
-        if (i >= knownNeeds_.size() || !knownNeeds_[i].visible)
-            continue;
-        objects[i].level = knownNeeds_[i].level;
-        objects[i].pixels = size_t(knownNeeds_[i].samples) * need_.divisor() * need_.divisor();
-    }
-    return objects;
-}
-
-std::map<uint32_t, size_t> Renderer::lumelsByTileSize() const
-{
-    if (settings_.shading != Shading::tsl)
-        return {};
-    return plan_.lumelsByTileSize(device_);
+    restlessInView_ = 0;
+    for (size_t i = 0; i < frame.inView.size(); ++i)
+        if (frame.inView[i]) {
+            restless_.note(i, scene_.changedIn(i, frame.index));
+            restlessInView_ += restless_.is(i) ? 1 : 0;
+        }
 }
 
 // Tells the controller what the frame cost, and the user when no quality is low enough.
@@ -363,9 +351,6 @@ void Renderer::keepToBudget()
         const auto found = stats_.passMs.find(pass);
         return found == stats_.passMs.end() ? 0.0 : found->second;
     };
-    size_t restless = 0;
-    for (size_t i = 0; i < inView_.size(); ++i)
-        restless += inView_[i] && restless_.is(i) ? 1 : 0;
     budget_->finished(
         {.total = stats_.ms,
          .find = ms("need") + ms("plan") + ms("lower"), // coarser tiles are looked at, lit or not
@@ -376,7 +361,7 @@ void Renderer::keepToBudget()
          .lumelsLit = stats_.lumelsLit,
          .lumelsPending = stats_.lumelsPending,
          .lumelsAllowed = settings_.lumelBudget,
-         .restless = restless});
+         .restless = restlessInView_});
     if (budget_->outOfReach() && !budgetMissed_) {
         spdlog::warn(
             "a frame budget of {:g} ms is out of reach here: about {:.0f} ms at half the render scale; "
@@ -384,42 +369,6 @@ void Renderer::keepToBudget()
             settings_.budgetMs, budget_->floorMs(), settings_.msaa > 1 ? ", or draw with --msaa 1" : "");
         budgetMissed_ = true;
     }
-}
-
-Image Renderer::readRadiance() const
-{
-    const bool reference = settings_.shading == Shading::reference;
-    const gpu::Image& source = reference ? targets_.sum : targets_.hdr;
-    const auto bytes =
-        gpu::readBack(device_, source, reference ? 16 : 8, gpu::masksOf(gpu::Use::transferRead).layout);
-    const size_t pixels = size_t(settings_.size.x) * settings_.size.y;
-    std::vector<float> rgba(pixels * 4);
-    if (reference)
-        std::memcpy(rgba.data(), bytes.data(), bytes.size());
-    else
-        halfToFloats({reinterpret_cast<const uint16_t*>(bytes.data()), pixels * 4}, rgba.data());
-    Image image(int(settings_.size.x), int(settings_.size.y), 3);
-    const float weight = reference ? 1.0f / float(sumSamples_) : 1.0f;
-    for (size_t i = 0; i < pixels; ++i)
-        for (size_t c = 0; c < 3; ++c)
-            image.pixels[i * 3 + c] = rgba[i * 4 + c] * weight;
-    if (renderSize_ == settings_.size)
-        return image;
-    Image part(int(renderSize_.x), int(renderSize_.y), 3);
-    for (int y = 0; y < part.height; ++y)
-        std::copy_n(image.at(0, y), 3 * part.width, part.at(0, y));
-    return upscaled(part, image.width, image.height);
-}
-
-Image Renderer::readDisplay() const
-{
-    const auto bytes =
-        gpu::readBack(device_, targets_.display, 4, gpu::masksOf(gpu::Use::transferRead).layout);
-    Image image(int(settings_.size.x), int(settings_.size.y), 3);
-    for (size_t i = 0; i < image.pixels.size() / 3; ++i)
-        for (size_t c = 0; c < 3; ++c)
-            image.pixels[i * 3 + c] = float(bytes[i * 4 + c]) / 255.0f;
-    return image;
 }
 
 } // namespace lumel

@@ -59,6 +59,7 @@ private:
     void recordTextureSpace(Frame& frame);
     void recordReference(Frame& frame);
     void assignRoom(Frame& frame);
+    void noteRestless(const Frame& frame);
     void keepToBudget();
     bool isSettled(const Frame& frame) const;
     void chooseDetail(Frame& frame);
@@ -87,6 +88,7 @@ private:
     tsl::Rooms rooms_;
     std::optional<tsl::BudgetController> budget_;
     tsl::Restless restless_;
+    size_t restlessInView_ = 0;
     tsl::Quality quality_;      // of this frame
     bool budgetMissed_ = false; // said so
     uint32_t frameIndex_ = 0;

@@ -63,7 +63,7 @@ uint judge(ObjectAt object, uint mip, uvec2 tile)
     TileState state = object.at.tiles.at[tileIndex(object, mip, tile)];
     // Within a budget the children may have to wait, and something must be shown meanwhile.
     bool waits = state.lit == 0u && push.budgetTiles < ~0u / kTileLumels;
-    if (waits && mip == tailMip(object))
+    if (waits && mip == tailMip(object.at.mips))
         return kPriorityAlways;
     if (childrenServe(object, mip, tile, waits))
         return kVerdictDerive;

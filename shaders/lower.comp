@@ -3,6 +3,7 @@
 // Lower levels: a lumel is the average of its four children, weighted by how much surface they cover. A gutter
 // lumel takes the mean of the covered lumels near it (dilation), nearer ones weighing more, so that no filter
 // tap meets an unlit lumel. A group derives one tile after another of its job's list, and all of an object's tail.
+#define LUMEL_TILE_STATES coherent // a tail's MIPs are made of each other
 #include "lib/tiles.glsl"
 
 layout(local_size_x = 64) in;
@@ -95,7 +96,7 @@ void main()
     for (uint i = gl_WorkGroupID.x; i < job.count; i += gl_NumWorkGroups.x) {
         Tile tile = push.tiles.at[job.first + i].tile;
         ObjectAt object = objectAt(tile.object);
-        uint mip = placeMip(tile.place), last = mip < derivedTail(object) ? mip : object.at.mips - 1u;
+        uint mip = placeMip(tile.place), last = mip < derivedTail(object.at.mips) ? mip : object.at.mips - 1u;
         for (; mip <= last; ++mip) {
             uint derive = stateOf(object, mip, placeTile(tile.place)).derive;
             if ((derive & kDeriveQueued) != 0u && derive >> kDeriveBits == view.frame)

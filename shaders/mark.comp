@@ -61,7 +61,7 @@ void main()
     uint index = gl_GlobalInvocationID.x;
     if (index < push.objectCount && objectAt(index).at.mips > 0u) {
         ObjectAt object = objectAt(index);
-        for (uint mip = tailMip(object); mip < object.at.mips; ++mip) {
+        for (uint mip = tailMip(object.at.mips); mip < object.at.mips; ++mip) {
             uvec2 tiles = tileCount(mipSize(object, mip));
             for (uint tile = 0u; tile < tiles.x * tiles.y; ++tile)
                 mark(object, index, mip, uvec2(tile % tiles.x, tile / tiles.x), view.frame);

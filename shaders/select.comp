@@ -78,15 +78,14 @@ void queueDerived(ObjectAt object, uint objectIndex, uint mip, uvec2 tile)
     for (; mip < object.at.mips; ++mip) {
         uvec2 size = mipSize(object, mip);
         uint index = tileIndex(object, mip, tile);
-        if (object.at.tiles.at[index].derive >> kDeriveBits != view.frame)
-            return;
-        if ((object.at.tiles.at[index].derive & kDeriveFromChildren) == 0u)
+        uint derive = object.at.tiles.at[index].derive;
+        if (derive >> kDeriveBits != view.frame || (derive & kDeriveFromChildren) == 0u)
             return;
         if ((atomicOr(object.at.tiles.at[index].derive, kDeriveQueued) & kDeriveQueued) != 0u)
             return;
         uvec2 lumels = min(size, uvec2(kTileSize));
         atomicAdd(push.plan.at.lumelsDerived, lumels.x * lumels.y);
-        uint tail = derivedTail(object);
+        uint tail = derivedTail(object.at.mips);
         if (mip < tail)
             append(object.at.lowerJob + mip - 1u, Tile(objectIndex, packPlace(mip, tile)));
         else if ((atomicOr(object.at.tiles.at[object.at.tileOffsets[tail]].derive, kDeriveTail) & kDeriveTail) == 0u)

@@ -67,9 +67,7 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
             continue;
         const tsl::TextureLayout& layout = pool.block(rooms[i].texture).layout;
         jobs[i].light = lightJobOf(objects[i], rooms[i].texture.block);
-        // The last four MIPs are a tile each (tailMip() of tiles.glsl); a MIP 0 among them is derived of
-        // nothing.
-        const uint32_t tail = std::max(layout.mips - std::min(layout.mips, 4u), 1u);
+        const uint32_t tail = shared::derivedTail(layout.mips);
         jobs[i].lower = lowerJobOf(rooms[i].texture.block, tail);
         lightJobs_[jobs[i].light].capacity += layout.tiles;
         std::vector<uint32_t>& capacity = lowerJobs_[jobs[i].lower].capacity;

@@ -131,6 +131,8 @@ std::array<uint32_t, shared::kListedLights / 32> GpuScene::lightsReaching(size_t
 
 bool GpuScene::changedIn(size_t object, uint32_t frame) const
 {
+    if (changed_ < frame)
+        return false; // nothing has
     if (objects_[object].data.changed >= frame)
         return true;
     const auto reaching = lightsReaching(object);

@@ -1,4 +1,4 @@
-// What meshes feed to vertex shaders: fetched by the rasteriser, which on software Vulkan costs a third of
+// What meshes feed to vertex shaders: fetched by the rasteriser, which on software Vulkan costs half of
 // loading the same from storage buffers.
 #pragma once
 #include "gpu/pipeline.h"

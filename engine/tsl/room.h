@@ -1,5 +1,5 @@
 // Room: which lit texture each visible object draws this frame, at which level, and which objects are so
-// small that shading them forward is as good.
+// small, or whose light changes so often, that shading them forward is as good.
 #pragma once
 #include "texture_pool.h"
 #include <span>

@@ -11,7 +11,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Tex
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Objects { Object at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ObjectAt { Object at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer JobTiles { JobTile at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileStates { TileState at[]; };
+#ifndef LUMEL_TILE_STATES // a shader whose invocations read each other's writes makes them coherent
+#define LUMEL_TILE_STATES
+#endif
+layout(buffer_reference, scalar, buffer_reference_align = 4) LUMEL_TILE_STATES buffer TileStates { TileState at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Needs { Need at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer NeedTotals { NeedTotal at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Plans { Plan at; };

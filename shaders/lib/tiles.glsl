@@ -13,12 +13,6 @@ uvec2 tileCount(uvec2 size)
     return (size + kTileSize - 1u) / kTileSize;
 }
 
-// The finest MIP that is a single tile: it and the coarser ones are lit for every object in view.
-uint tailMip(ObjectAt object)
-{
-    return object.at.mips - min(object.at.mips, 4u);
-}
-
 uint packPlace(uint mip, uvec2 tile)
 {
     return mip << 24u | tile.y << 12u | tile.x;
@@ -53,12 +47,6 @@ bool tileEmpty(ObjectAt object, uint mip, uvec2 tile)
     if (size.x < kTileSize || size.y < kTileSize)
         return false;
     return texelAt(object, object.at.litLevel + mip + 3u, tile) == 0u;
-}
-
-// The first MIP of those that one group derives after each other: each is a single tile, made of the one before.
-uint derivedTail(ObjectAt object)
-{
-    return max(tailMip(object), 1u);
 }
 
 // Frame in which the youngest of the tile's children was lit; 0 when one of them has no light yet. mip: at least 1.

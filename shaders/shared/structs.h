@@ -166,6 +166,19 @@ LUMEL_FN uvec2 mipOrigin(uvec2 size, uint mip)
     return uvec2(size.x, size.y - (size.y >> halves) + (mip - 1u - halves));
 }
 
+// The finest MIP that is a single tile, in a chain of so many: it and the coarser ones are lit for every object in
+// view.
+LUMEL_FN uint tailMip(uint mips)
+{
+    return mips - min(mips, 4u);
+}
+
+// The first MIP of those that one group derives after each other: each is a single tile, made of the one before.
+LUMEL_FN uint derivedTail(uint mips)
+{
+    return max(tailMip(mips), 1u);
+}
+
 // An 8x8-lumel tile of an object's lit texture.
 LUMEL_CONST uint kTileSize = 8u;
 LUMEL_CONST uint kTileLumels = 64u;
