@@ -11,7 +11,7 @@
 
 namespace lumel::baker {
 
-inline constexpr const char* kVersion = "3"; // part of the cache key: raise when results change
+inline constexpr const char* kVersion = "4"; // part of the cache key: raise when results change
 
 enum class Method { fit, average, flat, height, toksvig, lean };
 enum class Model { blinnPhong, ashikhminShirley };
@@ -36,11 +36,11 @@ struct Maps {
 
     Image power; // channel 0: Blinn-Phong power, as stored
     float powerConstant = 200.0f;
-    Image roughness;                  // channel 0: glTF perceptual roughness; wins over power when present
+    Image roughness;                  // channel 0: glTF perceptual roughness (energy.h); wins over power
     Image anisotropy;                 // channel 0: glTF anisotropy strength in [0, 1]; needs a roughness map
     Image tangentRotation;            // channel 0: [0, 1] = rotation of the anisotropy axes by [0, pi)
     glm::vec2 anisotropicPower{0.0f}; // base power along Tu and Tv; 0 = isotropic
-    Image specular;                   // rgb or grey Ks
+    Image specular; // rgb or grey F0; level 0 holds Ks, which is F0 times energy.h's factors
     glm::vec3 specularConstant{0.04f};
     Image diffuse; // rgb or grey Kd, linear
     glm::vec3 diffuseConstant{0.0f};
@@ -71,9 +71,6 @@ struct ReflectanceMips {
 // Of the chain's level 0, before any reduction: that of the largest map.
 glm::ivec2 mapSize(const Maps& maps);
 
-// glTF perceptual roughness r in [0, 1] to Blinn-Phong power: alpha = r^2, p = 2 / alpha^2 - 2
-// (Walter et al. 2007, section 5.2, equates the two lobes), clamped to [kMinPower, kMaxPower].
-float powerFromRoughness(float perceptualRoughness);
 // Perceptual roughness along and across the direction of anisotropy (KHR_materials_anisotropy):
 // alpha along it is mix(alpha, 1, strength^2), across it alpha.
 glm::vec2 anisotropicRoughness(float perceptualRoughness, float strength);

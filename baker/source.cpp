@@ -1,6 +1,7 @@
 #include "source.h"
 #include "core/error.h"
 #include "normals.h"
+#include "shared/energy.h"
 #include "shared/lobe.h"
 #include <fmt/format.h>
 
@@ -187,13 +188,13 @@ void Source::readPowers(int y, int x0, int x1, Lobes& out, size_t at) const
         };
         float along = aniso ? std::sqrt(pair.x * pair.y) : maps_.powerConstant, across;
         if (!map.empty())
-            along = maps_.roughness.empty() ? lookUp(map) : powerFromRoughness(lookUp(map));
+            along = maps_.roughness.empty() ? lookUp(map) : shared::powerFromRoughness(lookUp(map));
         across = along / ratio;
         along *= ratio;
         if (!maps_.anisotropy.empty()) {
             const glm::vec2 rough = anisotropicRoughness(lookUp(map), lookUp(maps_.anisotropy));
-            along = powerFromRoughness(rough.x);
-            across = powerFromRoughness(rough.y);
+            along = shared::powerFromRoughness(rough.x);
+            across = shared::powerFromRoughness(rough.y);
         }
         const float su = 1.0f / clampPower(along);
         const float sv = 1.0f / clampPower(across);
@@ -241,18 +242,18 @@ void Source::read(int y, int x0, int x1, Lobes& out, size_t at) const
     readPowers(y, x0, x1, out, at);
     readColours(maps_.specular, maps_.specularConstant, y, x0, x1, out.ks, at);
     readColours(maps_.diffuse, maps_.diffuseConstant, y, x0, x1, out.kd, at);
+    for (size_t i = at; i < at + size_t(x1 - x0); ++i) {
+        const glm::vec3 ks = shared::specularStrength({out.ks[0][i], out.ks[1][i], out.ks[2][i]},
+                                                      {out.sxx[i], out.sxy[i], out.syy[i]});
+        for (int c = 0; c < 3; ++c)
+            out.ks[c][i] = std::min(ks[c], kMaxReflectance);
+    }
 }
 
 glm::vec2 anisotropicRoughness(float perceptualRoughness, float strength)
 {
     const float alpha = perceptualRoughness * perceptualRoughness;
     return {std::sqrt(alpha + (1.0f - alpha) * strength * strength), perceptualRoughness};
-}
-
-float powerFromRoughness(float perceptualRoughness)
-{
-    const float alpha = perceptualRoughness * perceptualRoughness;
-    return clampPower(2.0f / std::max(alpha * alpha, 1e-6f) - 2.0f);
 }
 
 } // namespace lumel::baker

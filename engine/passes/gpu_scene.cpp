@@ -100,11 +100,11 @@ void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMater
     material.diffuse = upload({kKdR, kKdG, kKdB, kError}, " diffuse");
     material.glow = uploadChain(device, baked.glow, name + " glow");
     material.opacity = uploadChain(device, baked.opacity, name + " opacity");
-    material.albedo = uploadChain(device, scene::meanSpecular(mips), name + " albedo");
+    material.base = uploadChain(device, scene::baseReflectance(mips), name + " base");
     material.set = gpu::makeSet(device, materialLayout_);
     uint32_t binding = 0;
     for (const gpu::Image* image : {&material.normal, &material.specular, &material.diffuse, &material.glow,
-                                    &material.opacity, &material.albedo})
+                                    &material.opacity, &material.base})
         gpu::writeSampled(device, *material.set, binding++,
                           samplerOf(image == &material.glow ? source.glowUv : source.uv), image->view());
     materials_.push_back(std::move(material));

@@ -24,7 +24,7 @@ struct GpuTexelMap {
 
 struct GpuMaterial {
     gpu::Image normal, specular, diffuse, glow, opacity;
-    gpu::Image albedo; // mean Ks
+    gpu::Image base; // mean F0 and roughness of level 0
     vk::raii::DescriptorSet set = nullptr;
     glm::uvec2 size{1};
 };

@@ -6,11 +6,13 @@
 #include "material_maps.h"
 #include "baker/footprint.h"
 #include "core/error.h"
+#include "shared/energy.h"
 #include <array>
 #include <deque>
 #include <fmt/format.h>
 #include <map>
 #include <optional>
+#include <tbb/parallel_for.h>
 
 namespace lumel::scene {
 namespace {
@@ -200,14 +202,15 @@ void give(Image& image, Image& map, glm::vec3& constant)
 }
 
 // Schlick's reflectance of a dielectric against air at normal incidence; KHR_materials_ior: 0 is a mirror.
-float dielectricKs(float ior)
+float dielectricF0(float ior)
 {
     const float ratio = (ior - 1.0f) / (ior + 1.0f);
     return ratio * ratio;
 }
 
 // KHR_materials_specular: F0 = min(F0(ior) specularColor, 1) specular. F90, which it scales too, is not
-// modelled.
+// modelled. Diffuse reflection gets what Fresnel's F0 leaves (glTF 2.0, appendix B.3.4, fresnel_mix); what
+// the grazing part takes depends on the view (shading.h).
 void setColours(const Material& m, Decoder& decoder, baker::Maps& maps)
 {
     const SameSize<4> images({decoder.get(m.baseColorImage, m.baseColorUv, m.uv),
@@ -215,17 +218,21 @@ void setColours(const Material& m, Decoder& decoder, baker::Maps& maps)
                               decoder.get(m.specularImage, m.specularUv, m.uv),
                               decoder.get(m.specularColorImage, m.specularColorUv, m.uv)});
     Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
-    const float ks = dielectricKs(m.ior);
+    const float f0 = dielectricF0(m.ior);
     for (int y = 0; y < images.height; ++y)
         for (int x = 0; x < images.width; ++x) {
             const float metal = m.metallic * images.value(1, x, y, 2);
             const float strength = m.specular * images.alpha(2, x, y);
+            glm::vec3 colour, dielectric;
             for (int c = 0; c < 3; ++c) {
-                const float colour = m.baseColor[c] * images.colour(0, x, y, c);
-                const float tint = m.specularColor[c] * images.colour(3, x, y, c);
-                const float dielectric = std::min(ks * tint, 1.0f) * strength;
-                specular.at(x, y)[c] = dielectric + (colour - dielectric) * metal;
-                diffuse.at(x, y)[c] = colour * (1.0f - metal);
+                colour[c] = m.baseColor[c] * images.colour(0, x, y, c);
+                dielectric[c] =
+                    std::min(f0 * m.specularColor[c] * images.colour(3, x, y, c), 1.0f) * strength;
+            }
+            const float left = 1.0f - std::max({dielectric.x, dielectric.y, dielectric.z});
+            for (int c = 0; c < 3; ++c) {
+                specular.at(x, y)[c] = dielectric[c] + (colour[c] - dielectric[c]) * metal;
+                diffuse.at(x, y)[c] = colour[c] * (1.0f - metal) * left;
             }
         }
     give(specular, maps.specular, maps.specularConstant);
@@ -276,7 +283,7 @@ std::optional<float> setRoughness(const Material& m, const Image* image, baker::
         }
         constant = roughness.pixels[0];
     }
-    maps.powerConstant = baker::powerFromRoughness(constant);
+    maps.powerConstant = shared::powerFromRoughness(constant);
     return constant;
 }
 
@@ -302,7 +309,7 @@ void setAnisotropy(const Material& m, const Image* image, std::optional<float> r
         }
     if (roughness && isConstant(maps.anisotropy)) {
         const glm::vec2 along = baker::anisotropicRoughness(*roughness, maps.anisotropy.pixels[0]);
-        maps.anisotropicPower = {baker::powerFromRoughness(along.x), baker::powerFromRoughness(along.y)};
+        maps.anisotropicPower = {shared::powerFromRoughness(along.x), shared::powerFromRoughness(along.y)};
         maps.anisotropy = {};
     } else if (roughness) {
         maps.roughness = oneTexel(*roughness);
@@ -428,20 +435,25 @@ std::vector<Image> mipChain(Image image)
     return levels;
 }
 
-std::vector<Image> meanSpecular(const baker::ReflectanceMips& mips)
+std::vector<Image> baseReflectance(const baker::ReflectanceMips& mips)
 {
     const baker::Level& level = mips.levels.front();
-    Image image(level.width, level.height, 3);
-    bool varies = false;
-    for (size_t i = 0; i < size_t(level.width) * size_t(level.height); ++i)
-        for (size_t c = 0; c < 3; ++c) {
-            image.pixels[3 * i + c] = level.texels[i * baker::kChannels + baker::kKsR + c];
-            varies = varies || image.pixels[3 * i + c] != image.pixels[c];
+    Image image(level.width, level.height, 4);
+    tbb::parallel_for(0, level.height, [&](int y) {
+        for (int x = 0; x < level.width; ++x) {
+            const float* t = level.at(x, y);
+            const glm::vec3 covariance(t[baker::kSxx], t[baker::kSxy], t[baker::kSyy]);
+            const glm::vec3 f0 =
+                shared::reflectanceOf({t[baker::kKsR], t[baker::kKsG], t[baker::kKsB]}, covariance);
+            float* out = image.at(x, y);
+            std::copy_n(&f0.x, 3, out);
+            out[3] = shared::baseVariance(covariance);
         }
-    if (varies)
+    });
+    if (!isConstant(image))
         return mipChain(std::move(image));
-    Image constant(1, 1, 3);
-    std::copy_n(image.pixels.begin(), 3, constant.pixels.begin());
+    Image constant(1, 1, 4);
+    std::copy_n(image.pixels.begin(), 4, constant.pixels.begin());
     return {constant};
 }
 

@@ -20,8 +20,9 @@ Image opacityImage(const Scene& scene, const Material& material);
 // of the area that it covers.
 std::vector<Image> mipChain(Image image);
 
-// The mean of level 0's Ks under each texel, three channels; 1 x 1 where it does not vary. A fitted Ks is the
-// projection of the mean reflectance on one lobe, which reflects less in all than that does.
-std::vector<Image> meanSpecular(const baker::ReflectanceMips& mips);
+// What the level-0 lobes under each texel are on average: F0 (rgb) and their variance (alpha), see
+// shaders/shared/energy.h; 1 x 1 where neither varies. A fitted Ks is the projection of the mean reflectance
+// on one lobe, which reflects less in all than that does, and a fitted S holds the spread of normals too.
+std::vector<Image> baseReflectance(const baker::ReflectanceMips& mips);
 
 } // namespace lumel::scene

@@ -18,8 +18,7 @@ const int kMostLobeTaps = 8;
 const float kTapsPerRatio = 1.5;
 const float kTapReach = 1.5; // deviations to either side; more carries no more weight than the taps' own width
 
-// specular: the share that the surface's lobes reflect on the whole, which is more than their fitted strength.
-vec3 reflectEnvironment(SurfaceReflectance surface, vec3 specular, vec3 v)
+vec3 reflectEnvironment(SurfaceReflectance surface, vec3 v)
 {
     Lobe lobe = surface.lobe;
     // Eigenvalues of P, the powers along the lobe's short and long axis.
@@ -38,7 +37,6 @@ vec3 reflectEnvironment(SurfaceReflectance surface, vec3 specular, vec3 v)
     float tapVariance = taps > 1 ? max(shortVariance, 0.25 * gap * gap * longVariance) : meanVariance;
 
     float nDotV = max(dot(lobe.normal, v), 0.0);
-    EnvironmentLobe whole = environmentLobe(nDotV, meanVariance);
     EnvironmentLobe part = environmentLobe(nDotV, tapVariance);
     float level = environmentLevel(tapVariance * part.narrowing);
     vec3 sum = vec3(0.0);
@@ -49,8 +47,6 @@ vec3 reflectEnvironment(SurfaceReflectance surface, vec3 specular, vec3 v)
         sum += environmentRadiance(mix(mirrored, h, part.towardsNormal), level);
     }
     vec3 radiance = sum / float(taps);
-    // fresnelSchlick's two parts, each averaged over the lobe.
-    vec3 grazing = fresnelSchlick(specular, 0.0) - specular;
-    return radiance * (specular * whole.reflected + grazing * whole.grazing);
+    return radiance * reflectedShare(surface, grazingShare(nDotV, meanVariance));
 }
 #endif

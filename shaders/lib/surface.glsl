@@ -13,7 +13,7 @@ layout(set = 1, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
 layout(set = 1, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
 layout(set = 1, binding = 3) uniform sampler2D mapGlow;     // emitted radiance, ambient occlusion
 layout(set = 1, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
-layout(set = 1, binding = 5) uniform sampler2D mapAlbedo;   // mean Ks
+layout(set = 1, binding = 5) uniform sampler2D mapBase;     // mean F0, mean variance of the level-0 lobes
 
 struct MaterialTexel {
     vec2 normal;
@@ -22,13 +22,14 @@ struct MaterialTexel {
     vec3 diffuse;
     vec3 emitted;
     float occlusion;
-    vec3 albedo; // what the lobes of the texel reflect on the whole; with an environment only
+    vec3 f0; // mean of the level-0 texels
+    float baseVariance;
 };
 
-MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 glow)
+MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 glow, vec4 base)
 {
     return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, glow.rgb, glow.a,
-                         specular.rgb);
+                         base.rgb, base.a);
 }
 
 // Maps beside the reflectance are chains of their own: as many levels coarser as they are smaller.
@@ -41,21 +42,19 @@ vec4 sampleBeside(sampler2D map, vec2 uv, float level)
 // uv: of the reflectance (xy) and of glow (zw).
 MaterialTexel sampleMaterial(ObjectAt object, vec4 uv, float level)
 {
-    MaterialTexel texel = unpackMaterial(textureLod(mapNormal, uv.xy, level), textureLod(mapSpecular, uv.xy, level),
-                                         textureLod(mapDiffuse, uv.xy, level),
-                                         sampleBeside(mapGlow, uv.zw, level + object.at.glowLevelOffset));
-    if ((kFeatures & kFeatureEnvironment) != 0u)
-        texel.albedo = sampleBeside(mapAlbedo, uv.xy, level).rgb;
-    return texel;
+    return unpackMaterial(textureLod(mapNormal, uv.xy, level), textureLod(mapSpecular, uv.xy, level),
+                          textureLod(mapDiffuse, uv.xy, level),
+                          sampleBeside(mapGlow, uv.zw, level + object.at.glowLevelOffset),
+                          sampleBeside(mapBase, uv.xy, level));
 }
 
 MaterialTexel tinted(ObjectAt object, MaterialTexel material, vec3 colour)
 {
     if (object.at.dielectric >= 0.0)
         for (int c = 0; c < 3; ++c) {
-            float diffuse = material.diffuse[c];
-            material.specular[c] = tintedSpecular(material.specular[c], diffuse, object.at.dielectric, colour[c]);
-            material.albedo[c] = tintedSpecular(material.albedo[c], diffuse, object.at.dielectric, colour[c]);
+            float f0 = tintedSpecular(material.f0[c], material.diffuse[c], object.at.dielectric, colour[c]);
+            material.specular[c] *= f0 / max(material.f0[c], 1e-6);
+            material.f0[c] = f0;
         }
     material.diffuse *= colour;
     if ((object.at.flags & kObjectUnlit) != 0u)
@@ -87,16 +86,14 @@ ShadingPoint shadingPoint(ObjectAt object, MaterialTexel material, vec3 position
 
     Lobe local = makeLobe(lobeNormal(material.normal), material.covariance);
     mat3 worldFromTangent = mat3(t, b, n);
-    SurfaceReflectance surface;
-    surface.lobe = Lobe(worldFromTangent * local.normal, worldFromTangent * local.tangentU,
-                        worldFromTangent * local.tangentV, local.inverseCovariance, local.scale);
-    surface.macroNormal = n;
-    surface.specular = material.specular;
-    surface.diffuse = material.diffuse;
+    Lobe lobe = Lobe(worldFromTangent * local.normal, worldFromTangent * local.tangentU,
+                     worldFromTangent * local.tangentV, local.inverseCovariance, local.scale);
+    SurfaceReflectance surface = reflectanceTowards(
+        SurfaceTexel(lobe, n, material.specular, material.f0, material.baseVariance, material.diffuse), toEye);
     vec3 around;
     if ((kFeatures & kFeatureEnvironment) != 0u)
         around = surface.diffuse * environmentDiffuse(view.environment, surface.lobe.normal) +
-                 reflectEnvironment(surface, material.albedo, toEye);
+                 reflectEnvironment(surface, toEye);
     else
         around = reflectAmbient(surface, view.skyRadiance, view.groundRadiance);
     return ShadingPoint(surface, position, toEye, material.emitted + around * material.occlusion);

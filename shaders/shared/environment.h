@@ -1,7 +1,8 @@
 // Light from all around: a picture of the surroundings, filtered once for rough and smooth lobes.
 //
 // The specular part is a product of two averages (Karis 2013, "Real Shading in Unreal Engine 4", the split
-// sum): of the radiance around the reflected direction, and of the reflectance (Ks A + (1 - Ks) B). The diffuse
+// sum): of the radiance around the reflected direction, and of the reflectance (F0 + (F90 - F0) grazingShare, see
+// energy.h: at F0 = 1 all comes back). The diffuse
 // part is a quadratic form in N (Ramamoorthi and Hanrahan 2001, "An Efficient Representation for Irradiance
 // Environment Maps"). Both are of the lobe of shading.h, so that an environment and a light of the same
 // strength show alike.
@@ -63,28 +64,21 @@ LUMEL_FN float environmentLevel(float variance)
     return float(kEnvironmentLevels - 1u) * (1.0f + octaves / 13.2877124f);
 }
 
-// What the lobe's integrals over all half vectors come to, for view angles of cosine nDotV and a covariance of the
-// lobe, the inverse of its power. Fitted to numeric integrals of shading.h's reflectLight, in the manner of
-// Karis 2014 ("Physically Based Shading on Mobile"): see tests/unit/scene/environment_test.cpp.
+// Where a lobe gathers light from, for view angles of cosine nDotV and a covariance of the lobe, the inverse of its
+// power. Fitted to numeric integrals of shading.h's reflectLight, in the manner of Karis 2014 ("Physically Based
+// Shading on Mobile"): see tests/unit/scene/environment_test.cpp.
 struct EnvironmentLobe {
-    float reflected; // A: the share that a lobe of Ks = 1 reflects
-    float grazing;   // B: the share that Fresnel's grazing part reflects
     float towardsNormal; // how far the mean direction lies from the reflected one towards N
-    float narrowing; // of the lobe's variance, since seen at a flat angle it is narrower across
+    float narrowing; // of the lobe's variance, since seen at a grazing angle it is narrower across
 };
 LUMEL_FN EnvironmentLobe environmentLobe(float nDotV, float variance)
 {
     float s = clamp(variance, 1e-4f, 1.0f), deviation = sqrt(s), m = clamp(nDotV, 0.0f, 1.0f);
     EnvironmentLobe lobe;
-    float atGrazing = (1.77f + 3.53f * deviation) / (m * m + 0.2f * deviation + 4.0f * s);
-    lobe.reflected = 1.0f / (1.0f + s * (2.95f * deviation + 4.06f * m - 1.36f + atGrazing));
+    lobe.towardsNormal = 3.5f * s / (1.0f + 5.0f * s);
     // The cosine of the mean angle between half vector and view: half vectors gather where light comes from
     // above the surface.
-    float cosine = m + (0.3f - 0.46f * m) * 2.6f * deviation / (1.0f + 1.6f * deviation);
-    float c2 = (1.0f - cosine) * (1.0f - cosine);
-    lobe.grazing = lobe.reflected * c2 * c2 * (1.0f - cosine);
-    lobe.towardsNormal = 3.5f * s / (1.0f + 5.0f * s);
-    lobe.narrowing = cosine;
+    lobe.narrowing = m + (0.3f - 0.46f * m) * 2.6f * deviation / (1.0f + 1.6f * deviation);
     return lobe;
 }
 

@@ -5,14 +5,15 @@
 #include "compat.h"
 LUMEL_SHARED_BEGIN
 
-// The specular reflectance Ks of a material whose base colour b is multiplied by `colour`. `dielectric`: the
-// reflectance d of what is not metal. Of a surface that is metal by the share m, Ks = d (1 - m) + b m and
-// Kd = b (1 - m), so its colourless part s = d (1 - m) solves s^2 - (Ks + Kd) s + d Kd = 0. What reflects no more
+// The reflectance F0 of a material whose base colour b is multiplied by `colour`. `dielectric`: the reflectance d of
+// what is not metal. Of a surface that is metal by the share m, F0 = d (1 - m) + b m and Kd = b (1 - m) (1 - d), so
+// with D = Kd / (1 - d) its colourless part s = d (1 - m) solves s^2 - (F0 + D) s + d D = 0. What reflects no more
 // than d is taken for no metal at all.
 LUMEL_FN float tintedSpecular(float specular, float diffuse, float dielectric, float colour)
 {
-    float sum = specular + diffuse;
-    float own = 0.5f * (sum - sqrt(max(sum * sum - 4.0f * dielectric * diffuse, 0.0f)));
+    float base = diffuse / max(1.0f - dielectric, 1e-6f);
+    float sum = specular + base;
+    float own = 0.5f * (sum - sqrt(max(sum * sum - 4.0f * dielectric * base, 0.0f)));
     own = specular <= dielectric ? specular : min(own, specular);
     return own + (specular - own) * colour;
 }

@@ -233,7 +233,7 @@ TEST(Tint, AColourChangesWhatIsMetalOnly)
         for (const float m : {0.0f, 0.25f, 0.6f, 0.999f})
             for (const float b : {0.2f, 0.7f, 1.0f})
                 for (const float c : {0.0f, 0.5f, 1.0f}) {
-                    const float specular = d * (1.0f - m) + b * m, diffuse = b * (1.0f - m);
+                    const float specular = d * (1.0f - m) + b * m, diffuse = b * (1.0f - m) * (1.0f - d);
                     EXPECT_NEAR(shared::tintedSpecular(specular, diffuse, d, c), d * (1.0f - m) + c * b * m,
                                 2e-3f)
                         << d << ' ' << m << ' ' << b << ' ' << c;

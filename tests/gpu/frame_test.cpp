@@ -22,11 +22,15 @@ TEST_F(FrameTest, ForwardPixelEqualsTheSharedFormulaInCpp)
     settings.msaa = 1;
     const Picture picture = shoot(s, camera, settings);
 
-    shared::SurfaceReflectance surface;
-    surface.lobe = shared::makeLobe({0, 0, 1}, glm::vec3(1.0f / 50.0f, 0.0f, 1.0f / 50.0f));
-    surface.macroNormal = {0, 0, 1};
-    surface.specular = maps.specularConstant;
-    surface.diffuse = maps.diffuseConstant;
+    const glm::vec3 covariance(1.0f / 50.0f, 0.0f, 1.0f / 50.0f);
+    const auto surface =
+        shared::reflectanceTowards({.lobe = shared::makeLobe({0, 0, 1}, covariance),
+                                    .macroNormal = {0, 0, 1},
+                                    .specular = shared::specularStrength(maps.specularConstant, covariance),
+                                    .f0 = maps.specularConstant,
+                                    .baseVariance = 1.0f / 50.0f,
+                                    .diffuse = maps.diffuseConstant},
+                                   {0, 0, 1});
     const glm::vec3 l = -s.scene.lights[0].direction;
     const glm::vec3 sky(0.04f * 3.0f);
     const glm::vec3 expected = shared::reflectLight(surface, l, {0, 0, 1}, glm::vec3(3.0f)) +

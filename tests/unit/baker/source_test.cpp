@@ -1,7 +1,7 @@
 #include "baker/source.h"
 #include "core/error.h"
 #include "maps.h"
-#include "shared/limits.h"
+#include "shared/energy.h"
 #include <limits>
 
 namespace lumel::baker {
@@ -48,12 +48,12 @@ TEST(Source, GreenDownFlipsY)
 
 TEST(Source, RoughnessMapsToPower)
 {
-    EXPECT_NEAR(powerFromRoughness(0.5f), 30.0f, 1e-3f); // alpha = 1/4: 2 * 16 - 2
-    EXPECT_EQ(powerFromRoughness(0.0f), shared::kMaxPower);
-    EXPECT_EQ(powerFromRoughness(1.0f), shared::kMinPower);
+    EXPECT_NEAR(shared::powerFromRoughness(0.5f), 14.1337f, 1e-3f); // 4 ln 2 / ln(1 + 3 / 16) - 2
+    EXPECT_EQ(shared::powerFromRoughness(0.0f), shared::kMaxPower);
+    EXPECT_EQ(shared::powerFromRoughness(1.0f), shared::kMinPower);
     Maps maps = normalMaps(constantImage(2, 2, {0.5f, 0.5f, 1.0f}), 7.0f);
     maps.roughness = constantImage(1, 1, {0.5f});
-    EXPECT_NEAR(bake(maps, {}).levels[0].at(0, 0)[kSxx], 1.0f / 30.0f, 1e-6f);
+    EXPECT_NEAR(bake(maps, {}).levels[0].at(0, 0)[kSxx], 1.0f / shared::powerFromRoughness(0.5f), 1e-6f);
 }
 
 TEST(Source, SmallerMapsAreResampledToTheLargest)
@@ -69,9 +69,11 @@ TEST(Source, SmallerMapsAreResampledToTheLargest)
     ASSERT_EQ(mips.levels[0].width, 8);
     ASSERT_EQ(mips.levels[0].height, 8);
     EXPECT_FLOAT_EQ(mips.levels[0].at(7, 3)[kKdG], 1.0f);
-    EXPECT_NEAR(mips.levels[0].at(3, 0)[kKsR], 0.375f, 1e-6f); // a quarter texel left of the middle
-    EXPECT_NEAR(mips.levels[0].at(0, 0)[kKsG], 0.2f, 1e-6f);
-    EXPECT_NEAR(mips.levels[0].at(5, 5)[kKsB], 0.4f, 1e-6f);
+    // A quarter texel left of the middle is F0 = 0.375.
+    const auto ks = [](float f0) { return shared::specularStrength(glm::vec3(f0), {0.02f, 0.0f, 0.02f}).x; };
+    EXPECT_NEAR(mips.levels[0].at(3, 0)[kKsR], ks(0.375f), 1e-6f);
+    EXPECT_NEAR(mips.levels[0].at(0, 0)[kKsG], ks(0.2f), 1e-6f);
+    EXPECT_NEAR(mips.levels[0].at(5, 5)[kKsB], ks(0.4f), 1e-6f);
     // The average of Kd is exact on a flat map.
     EXPECT_NEAR(mips.levels.back().at(0, 0)[kKdR], 0.5f, 1e-5f);
 }

@@ -3,6 +3,7 @@
 #include "gltf_builder.h"
 #include "scene/bake_cache.h"
 #include "scene/materials.h"
+#include "shared/energy.h"
 #include <chrono>
 #include <csignal>
 #include <set>
@@ -93,8 +94,8 @@ TEST_F(Materials, ChainsHaveTheSizeOfTheirMaps)
     EXPECT_EQ(baked[0].glow.size(), 4u);
     ASSERT_EQ(baked[1].reflectance.levels.size(), 1u) << "constant";
     const float* texel = baked[1].reflectance.levels[0].at(0, 0);
-    EXPECT_NEAR(texel[baker::kKdB], 0.75f, 1e-3f);
-    EXPECT_NEAR(texel[baker::kKsG], 0.04f, 1e-4f);
+    EXPECT_NEAR(texel[baker::kKdB], 0.75f * 0.96f, 1e-3f);
+    EXPECT_NEAR(texel[baker::kKsG], shared::specularStrength(glm::vec3(0.04f), {1.0f, 0.0f, 1.0f}).x, 1e-4f);
     EXPECT_NEAR(texel[baker::kNx], 0.0f, 1e-6f);
     ASSERT_EQ(baked[1].glow.size(), 1u);
     EXPECT_EQ(baked[1].glow[0].pixels, (std::vector<float>{1, 2, 3, 1}));
