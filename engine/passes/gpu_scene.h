@@ -26,7 +26,7 @@ struct GpuMaterial {
     gpu::Image normal, specular, diffuse, glow, opacity;
     gpu::Image albedo; // mean Ks
     vk::raii::DescriptorSet set = nullptr;
-    glm::uvec2 size{1};
+    glm::uvec2 size{1}, glowSize{1}; // of the reflectance and of glow, texels
 };
 
 struct GpuObject {

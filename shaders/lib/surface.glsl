@@ -31,21 +31,16 @@ MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 glow
                          specular.rgb);
 }
 
-// Maps beside the reflectance are chains of their own: as many levels coarser as they are smaller.
-vec4 sampleBeside(sampler2D map, vec2 uv, float level)
+// uv: of the reflectance (xy) and of glow (zw). levels: of the reflectance and of glow, which are chains of their own
+// sizes: each counts from its own map's finest level. They may be below 0.
+MaterialTexel sampleMaterial(vec4 uv, vec2 levels)
 {
-    float offset = log2(float(textureSize(mapNormal, 0).x) / float(textureSize(map, 0).x));
-    return textureLod(map, uv, max(level - offset, 0.0));
-}
-
-// uv: of the reflectance (xy) and of glow (zw).
-MaterialTexel sampleMaterial(ObjectAt object, vec4 uv, float level)
-{
-    MaterialTexel texel = unpackMaterial(textureLod(mapNormal, uv.xy, level), textureLod(mapSpecular, uv.xy, level),
-                                         textureLod(mapDiffuse, uv.xy, level),
-                                         sampleBeside(mapGlow, uv.zw, level + object.at.glowLevelOffset));
+    levels = max(levels, vec2(0.0));
+    MaterialTexel texel =
+        unpackMaterial(textureLod(mapNormal, uv.xy, levels.x), textureLod(mapSpecular, uv.xy, levels.x),
+                       textureLod(mapDiffuse, uv.xy, levels.x), textureLod(mapGlow, uv.zw, levels.y));
     if ((kFeatures & kFeatureEnvironment) != 0u)
-        texel.albedo = sampleBeside(mapAlbedo, uv.xy, level).rgb;
+        texel.albedo = textureLod(mapAlbedo, uv.xy, levels.x).rgb; // of the reflectance's size, or constant
     return texel;
 }
 

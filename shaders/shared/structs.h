@@ -138,7 +138,7 @@ struct Object {
     uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
     uvec2 litSize;                 // lumels of level 0, powers of two
     float materialLevelOffset;     // material level = lit level + this, where the UVs are the same
-    float glowLevelOffset;         // levels that glow's texels are finer because of UVs of their own
+    float glowLevelOffset;         // the same for glow, a map of a size of its own
     uint flags;                    // kObject...
     float alphaCutoff;
     float dielectric;              // reflectance that vertex colours do not tint; < 0: they tint none
