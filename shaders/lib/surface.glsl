@@ -46,12 +46,10 @@ MaterialTexel sampleMaterial(vec4 uv, vec2 levels)
 
 MaterialTexel tinted(ObjectAt object, MaterialTexel material, vec3 colour)
 {
-    if (object.at.dielectric >= 0.0)
-        for (int c = 0; c < 3; ++c) {
-            float diffuse = material.diffuse[c];
-            material.specular[c] = tintedSpecular(material.specular[c], diffuse, object.at.dielectric, colour[c]);
-            material.albedo[c] = tintedSpecular(material.albedo[c], diffuse, object.at.dielectric, colour[c]);
-        }
+    if (object.at.dielectric >= 0.0) {
+        material.specular = tintedSpecular(material.specular, material.diffuse, object.at.dielectric, colour);
+        material.albedo = tintedSpecular(material.albedo, material.diffuse, object.at.dielectric, colour);
+    }
     material.diffuse *= colour;
     if ((object.at.flags & kObjectUnlit) != 0u)
         material.emitted *= colour;
