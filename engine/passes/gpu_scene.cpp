@@ -139,6 +139,8 @@ void GpuScene::bend(const scene::Shapes& shapes, uint32_t frame)
 void GpuScene::takeShape(GpuObject& object) const
 {
     object.mirrored = glm::determinant(glm::mat3(object.data.worldFromObject)) < 0.0f;
+    object.data.flags &= ~shared::kObjectMirrored;
+    object.data.flags |= object.mirrored ? shared::kObjectMirrored : 0u;
     if (object.deformed < 0)
         return;
     const DeformedMeshes::Item& item = deformed_.items()[size_t(object.deformed)];

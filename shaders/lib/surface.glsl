@@ -72,8 +72,13 @@ ShadingPoint shadingPoint(ObjectAt object, MaterialTexel material, vec3 position
     bool flip = (object.at.flags & kObjectDoubleSided) != 0u && dot(n, toEye) < 0.0;
     vec3 t = tangent.xyz - n * dot(n, tangent.xyz);
     t = dot(t, t) > 1e-12 ? normalize(t) : normalize(abs(n.x) < 0.9 ? cross(n, vec3(1, 0, 0)) : cross(n, vec3(0, 1, 0)));
-    vec3 b = cross(n, t) * (tangent.w < 0.0 ? -1.0 : 1.0);
+    // Bitangents belong to the object: a transform that mirrors it mirrors them, but not the cross product.
+    bool mirrored = (object.at.flags & kObjectMirrored) != 0u;
+    vec3 b = cross(n, t) * ((tangent.w < 0.0) != mirrored ? -1.0 : 1.0);
+    // Seen from behind, a bump is a dent: it is the map's normal that is reversed, and with it the whole frame.
     n = flip ? -n : n;
+    t = flip ? -t : t;
+    b = flip ? -b : b;
     // Lumels just behind the silhouette are filtered into pixels before it: they are lit as seen along their
     // horizon, so that no highlight of a surface seen from behind leaks around the edge.
     toEye = normalize(toEye - n * min(dot(n, toEye), 0.0) + 1e-6 * n);

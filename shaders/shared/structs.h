@@ -127,6 +127,7 @@ LUMEL_CONST uint kObjectMask = 2u; // alpha below alphaCutoff is cut out
 LUMEL_CONST uint kObjectOwnMaterialUv = 4u; // its material UVs are not its lit UVs
 LUMEL_CONST uint kObjectLightable = 8u;     // it can be lit in texture space
 LUMEL_CONST uint kObjectUnlit = 16u; // its colour is what it emits
+LUMEL_CONST uint kObjectMirrored = 32u; // worldFromObject mirrors
 
 struct Object {
     mat4 worldFromObject;
