@@ -62,7 +62,7 @@ TEST_F(Judge, ShadowsOfCutOuts)
     subject.light(kSun, {1.0f, 3, 0.5f}, {0, 0, 0});
     subject.place(sheet(8), subject.material(patches(16, 8, 1)),
                   {{"rotation", {-0.70710678, 0, 0, 0.70710678}}, {"scale", {2.2, 2.2, 2.2}}});
-    json leaf = subject.material(patches(32, 8, 3, true));
+    json leaf = subject.material(holes(64, 8, 3));
     leaf["doubleSided"] = true;
     leaf["alphaMode"] = "MASK";
     subject.place(
@@ -108,8 +108,8 @@ TEST_F(Judge, MovingNodes)
     expectAgreement("moving-nodes", subject, {.seconds = 0.6});
 }
 
-// A post of two joints under a moving parent, the upper one of which bends, and a second set of influences.
-TEST_F(Judge, Skin)
+// A ball on two joints, of which the lower one moves and the upper one turns. across: scale of both along x.
+void skin(const char* name, float across)
 {
     Subject subject;
     auto& gltf = subject.gltf;
@@ -132,7 +132,7 @@ TEST_F(Judge, Skin)
     const int skinned = subject.place(mesh, {{"skin", 0}, {"translation", {50, 0, 0}}}); // to be ignored
     const int lower = skinned + 1, upper = skinned + 2;
     gltf.root["nodes"].push_back(
-        {{"children", {upper}}, {"translation", {0, -0.5, 0}}, {"scale", {0.9, 1.0, 0.7}}});
+        {{"children", {upper}}, {"translation", {0, -0.5, 0}}, {"scale", {across, 1.0, 0.7}}});
     gltf.root["nodes"].push_back({{"translation", {0, 0.5, 0}}});
     gltf.root["scenes"][0]["nodes"].push_back(lower);
     // Joints stand at y = -0.5 and 0.
@@ -143,7 +143,17 @@ TEST_F(Judge, Skin)
                                              "MAT4", 16)}}};
     animate(subject, lower, "translation", {0, -0.5f, 0, 0.3f, -0.6f, -0.2f}, "VEC3", 3);
     animate(subject, upper, "rotation", {0, 0, 0, 1, 0, 0, 0.70710678f, 0.70710678f}, "VEC4", 4);
-    expectAgreement("skin", subject, {.seconds = 0.7});
+    expectAgreement(name, subject, {.seconds = 0.7});
+}
+
+TEST_F(Judge, Skin)
+{
+    skin("skin", 0.9f);
+}
+
+TEST_F(Judge, SkinThatMirrors)
+{
+    skin("skin-mirrored", -0.9f);
 }
 
 TEST_F(Judge, Morph)

@@ -65,6 +65,15 @@ Image patches(int size, int cells, uint32_t seed, bool withAlpha)
     return image;
 }
 
+Image holes(int size, int cells, uint32_t seed)
+{
+    Image image = patches(size, cells, seed, true);
+    for (size_t i = 0; i < image.pixels.size(); ++i)
+        if (i % 4 != 3)
+            image.pixels[i] = i % 4 == 0 ? 0.9f : 0.3f;
+    return image;
+}
+
 Image bumps(int size, uint32_t seed)
 {
     std::mt19937 random(seed);

@@ -25,6 +25,8 @@ Shape ball(int rows = 32, int columns = 64);
 
 // Random colours in a grid of cells; alpha 0 or 1. The same for the same seed.
 Image patches(int size, int cells, uint32_t seed, bool withAlpha = false);
+// One colour with random holes.
+Image holes(int size, int cells, uint32_t seed);
 // Normals of random smooth bumps, up to 45 degrees steep.
 Image bumps(int size, uint32_t seed);
 
