@@ -103,7 +103,9 @@ void opacity(const char* name, const char* mode, int size, int normalSize)
     if (normalSize > 0)
         material["normalTexture"] = info(subject.texture(bumps(normalSize, 3)));
     material["alphaMode"] = mode;
-    if (std::string(mode) == "BLEND")
+    if (std::string(mode) == "MASK")
+        material["alphaCutoff"] = 0.3;
+    else
         material["pbrMetallicRoughness"]["baseColorFactor"] = {1.0, 1.0, 1.0, 0.7};
     subject.place(ball(), material);
     subject.place(sheet(), subject.material(patches(16, 16, 4)),
@@ -123,7 +125,7 @@ TEST_F(Judge, MaskLargerThanTheNormals)
 
 TEST_F(Judge, MaskSmallerThanTheNormals)
 {
-    opacity("mask-smaller", "MASK", 16, 64);
+    opacity("mask-smaller", "MASK", 16, 128);
 }
 
 TEST_F(Judge, BlendOfAConstantColour)
@@ -133,7 +135,7 @@ TEST_F(Judge, BlendOfAConstantColour)
 
 TEST_F(Judge, BlendSmallerThanTheNormals)
 {
-    opacity("blend-smaller", "BLEND", 16, 64);
+    opacity("blend-smaller", "BLEND", 16, 128);
 }
 
 constexpr Shading kShadings[] = {Shading::reference, Shading::forward, Shading::tsl};

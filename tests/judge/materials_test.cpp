@@ -72,11 +72,11 @@ TEST_F(Judge, Specular)
     json material = plain({0.02f, 0.01f, 0.0f}, 0.0f, 0.35f);
     material["extensions"]["KHR_materials_ior"]["ior"] = 2.2; // so that there is much to see
     json& values = material["extensions"]["KHR_materials_specular"];
-    Image strength = patches(256, 8, 2, true);
+    Image strength = patches(512, 8, 2, true);
     values["specularFactor"] = 0.9;
     values["specularTexture"] = info(subject.texture(strength));
     values["specularColorFactor"] = {1.5, 1.0, 2.0};
-    values["specularColorTexture"] = info(subject.texture(patches(256, 8, 3)));
+    values["specularColorTexture"] = info(subject.texture(patches(512, 8, 3)));
     aBall("specular", subject, material, {.surroundings = 0.8f});
 }
 
