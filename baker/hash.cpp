@@ -45,13 +45,14 @@ std::string sourceHash(const Maps& maps, const Options& options)
     const auto& [height, heightScale, normal, normalGreenUp, signedNormals, normalScale, givenWrap, power,
                  powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
                  specularConstant, diffuse, diffuseConstant] = maps;
-    const auto& [method, model, threads, reduce, reconstruction] = options;
+    const auto& [method, model, threads, reduce, reconstruction, mayProject] = options;
     const Wrap wrap = readsAcrossBorders(maps, options, mapSize(maps)) ? givenWrap : Wrap::repeat;
     addFields(hash, height, heightScale, normal, normalGreenUp, signedNormals, normalScale, wrap, power,
               powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
               specularConstant, diffuse, diffuseConstant);
     static_cast<void>(threads); // changes nothing in the result
-    addFields(hash, method, model, reduce, reconstruction);
+    const bool bestKs = mayProject && method != Method::fit;
+    addFields(hash, method, model, reduce, reconstruction, bestKs);
     return hash.hex();
 }
 
