@@ -149,7 +149,7 @@ public:
         for (const fs::path& file : reports)
             checkWritable(file);
         checkWritable(output);
-        const size_t units = progressUnits(maps) + (reports.empty() ? 0 : measureUnits(maps, options));
+        const size_t units = progressUnits(maps) + (reports.empty() ? 0 : measureUnits(maps));
         Progress progress(whole, share, units);
         const auto start = std::chrono::steady_clock::now();
         if (reports.empty()) {
