@@ -38,12 +38,13 @@ bool distinct(const Shape& a, const Shape& b)
 // Is a lobe too unlike a fit of this error to beat it, wherever its normal points? Functions on the disc form
 // angles: with a = angle(G, fit), sin^2 a = E, a lobe at least 2 a away from the fit is at least a away from
 // G. Of two Gaussians of covariances S and T, the cosine is at most 2 (det S det T)^(1/4) / sqrt(det(S + T)),
-// and cos 2 a = 1 - 2 E. Lobes are Gaussians but for broad ones, hence a margin and a limit.
+// and cos 2 a = 1 - 2 E. Broad lobes are no Gaussians and widths on the disc change with the normal, hence
+// the margin and the limits.
 bool widthsAreFarApart(const Shape& a, const Shape& b, float error)
 {
     constexpr float kMarginOfGaussians = 1.5f;
     const float xx = a.sxx + b.sxx, xy = a.sxy + b.sxy, yy = a.syy + b.syy;
-    if (xx + yy > 4.0f * kBroad)
+    if (xx + yy > 4.0f * kBroad || b.nx * b.nx + b.ny * b.ny > kSteep)
         return false;
     const float detA = a.sxx * a.syy - a.sxy * a.sxy, detB = b.sxx * b.syy - b.sxy * b.sxy;
     const float least = 1.0f - 2.0f * kMarginOfGaussians * error; // cosine of a lobe that may win
@@ -141,14 +142,15 @@ void Solver::addClosedForms(uint32_t t, Family family)
 {
     const Texel& texel = texels_[t];
     const TexelTask& task = texel.task;
-    const auto add = [&](const Shape& shape) {
-        starts_.push_back({t, family == kIsotropic ? isotropicShape(shape) : shape});
+    const auto ofFamily = [&](const Shape& shape) {
+        return family == kIsotropic ? isotropicShape(shape) : shape;
     };
+    const auto add = [&](const Shape& shape) { starts_.push_back({t, ofFamily(shape)}); };
     if (!texel.startsAtLean) // no search ends above its start
         add(texel.lean);
     add(toksvigShape(task.mean));
     const Shape average = averageShape(task.mean);
-    if (widthsAreFarApart(average, texel.best[family].shape, texel.best[family].error))
+    if (widthsAreFarApart(ofFamily(average), texel.best[family].shape, texel.best[family].error))
         return;
     add(average);
     add({0.0f, 0.0f, average.sxx, average.sxy, average.syy}); // flat

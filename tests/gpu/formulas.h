@@ -56,7 +56,7 @@ LUMEL_FN FormulaOutput formulas(FormulaInput given)
     vec3 hLocal = vec3(dot(given.tangent, h), dot(given.bitangent, h), dot(given.macroNormal, h));
     result.shape = lobeShape(result.lobeNormal, given.covariance, hLocal);
     result.preparedShape = lobeShape(surface.lobe, h);
-    result.falloff = lobeFalloff(hLocal.x * hLocal.x + hLocal.y * hLocal.y);
+    result.falloff = lobeFalloff(min(given.covariance.x, 0.99f)); // any number of [0, 1)
     result.fresnel = fresnelSchlick(given.specular, dot(given.toEye, h));
     result.reflected = reflectLight(surface, incident.direction, given.toEye, incident.irradiance);
     result.ambient = reflectAmbient(surface, vec3(0.4f, 0.5f, 0.6f), vec3(0.3f, 0.2f, 0.1f));

@@ -3,6 +3,9 @@
 #include "formulas.h"
 #include "gpu/resource.h"
 #include "test_scene.h"
+#include <glm/gtc/matrix_transform.hpp>
+#include <map>
+#include <optional>
 #include <random>
 
 #include "formulas.comp.h" // SPIR-V
@@ -160,6 +163,120 @@ TEST_F(Formulas, AreTheSameOnTheGpuAsInCpp)
         EXPECT_LT(w.error, 1e-3f) << name << ", input " << w.at;
     EXPECT_GT(lit, kCount / 4) << "lobes that reflect anything";
     EXPECT_GT(anisotropic, kCount / 2);
+}
+
+Image oneTexel(std::vector<float> values)
+{
+    Image image(1, 1, int(values.size()));
+    image.pixels = std::move(values);
+    return image;
+}
+
+// A plane under one sun, whose every pixel C++ knows: a tilted, turned, anisotropic lobe in a turned frame.
+struct ShinyPlane {
+    TestScene scene;
+    glm::mat4 worldFromObject;
+    glm::vec3 tangent, bitangent, normal; // in the world
+    scene::Light light;
+    scene::Camera camera = cameraAt({-0.6f, 0.9f, 2.2f});
+
+    explicit ShinyPlane(float handedness)
+    {
+        const glm::vec3 axis = glm::normalize(glm::vec3(1.0f, 2.0f, 0.5f));
+        worldFromObject = glm::rotate(glm::mat4(1.0f), 0.4f, axis);
+        scene::Mesh mesh = planeMesh();
+        const glm::vec3 inObject(std::cos(0.7f), std::sin(0.7f), 0.0f);
+        for (shared::Vertex& v : mesh.vertices)
+            v.tangent = {inObject, handedness};
+        normal = glm::mat3(worldFromObject) * glm::vec3(0, 0, 1);
+        tangent = glm::mat3(worldFromObject) * inObject;
+        bitangent = handedness * glm::cross(normal, tangent);
+        baker::Maps maps;
+        maps.normal = oneTexel({0.6f, 0.45f, 0.95f});
+        maps.anisotropicPower = {150.0f, 8.0f};
+        maps.tangentRotation = oneTexel({0.2f});
+        maps.specularConstant = {0.9f, 0.5f, 0.3f};
+        maps.diffuseConstant = {0.05f, 0.1f, 0.2f};
+        scene.add(std::move(mesh), maps, worldFromObject);
+        // The highlight is in the middle: what the lobe's own normal mirrors.
+        const float* t = scene.materials[0].reflectance.levels[0].at(0, 0);
+        const glm::vec3 n =
+            glm::mat3(tangent, bitangent, normal) * shared::lobeNormal({t[baker::kNx], t[baker::kNy]});
+        light = sun(glm::reflect(glm::normalize(camera.eye), n));
+    }
+
+    // Radiance of the sun's reflection in a pixel; nothing where the plane is not, or near its border.
+    std::optional<glm::vec3> reflected(glm::ivec2 pixel, glm::ivec2 size) const
+    {
+        const glm::vec3 forward = glm::normalize(camera.target - camera.eye);
+        const glm::vec3 right = glm::normalize(glm::cross(forward, camera.up)),
+                        up = glm::cross(right, forward);
+        const glm::vec2 at = (glm::vec2(pixel) + 0.5f) / glm::vec2(size) * 2.0f - 1.0f;
+        const float half = std::tan(0.5f * camera.yFov), aspect = float(size.x) / float(size.y);
+        const glm::vec3 ray = forward + half * (aspect * at.x * right - at.y * up);
+        const glm::vec3 position = camera.eye - ray * glm::dot(camera.eye, normal) / glm::dot(ray, normal);
+        const glm::vec3 local = glm::inverse(worldFromObject) * glm::vec4(position, 1.0f);
+        if (std::max(std::abs(local.x), std::abs(local.y)) > 0.9f)
+            return std::nullopt;
+        const float* t = scene.materials[0].reflectance.levels[0].at(0, 0);
+        const shared::Lobe lobe = shared::makeLobe(shared::lobeNormal({t[baker::kNx], t[baker::kNy]}),
+                                                   {t[baker::kSxx], t[baker::kSxy], t[baker::kSyy]});
+        const glm::mat3 frame(tangent, bitangent, normal);
+        shared::SurfaceReflectance surface{};
+        surface.lobe = lobe;
+        surface.lobe.normal = frame * lobe.normal;
+        surface.lobe.tangentU = frame * lobe.tangentU;
+        surface.lobe.tangentV = frame * lobe.tangentV;
+        surface.macroNormal = normal;
+        surface.specular = {t[baker::kKsR], t[baker::kKsG], t[baker::kKsB]};
+        surface.diffuse = {t[baker::kKdR], t[baker::kKdG], t[baker::kKdB]};
+        return shared::reflectLight(surface, -light.direction, glm::normalize(camera.eye - position),
+                                    light.intensity * light.colour);
+    }
+};
+
+// What the shaders make of it, axes and all: the picture under the sun less that with the sun behind the
+// plane.
+TEST_F(Formulas, LightEveryPixelOfATurnedAnisotropicSurface)
+{
+    for (const float handedness : {1.0f, -1.0f})
+        for (const auto& [shading, tolerance] : {std::pair(Shading::forward, 0.003f), {Shading::tsl, 0.005f}}) {
+            ShinyPlane plane(handedness);
+            Settings settings = settingsFor(shading, {160, 120});
+            settings.msaa = 1;
+            settings.shadows = false;
+            settings.levelOffset = 0.0f;
+            settings.lumelsPerPixel = 8.0f;
+            plane.scene.scene.lights = {plane.light};
+            const Image lit = shoot(plane.scene, plane.camera, settings).radiance;
+            plane.scene.scene.lights[0].direction = plane.normal; // from behind
+            const Image dark = shoot(plane.scene, plane.camera, settings).radiance;
+            float peak = 0.0f, least = 1e9f, worst = 0.0f;
+            glm::ivec2 where(0);
+            int count = 0;
+            for (int y = 0; y < lit.height; ++y)
+                for (int x = 0; x < lit.width; ++x) {
+                    const auto expected = plane.reflected({x, y}, {lit.width, lit.height});
+                    if (!expected)
+                        continue;
+                    ++count;
+                    peak = std::max(peak, expected->x);
+                    least = std::min(least, expected->x);
+                    for (int c = 0; c < 3; ++c) {
+                        const float error = std::abs(lit.at(x, y)[c] - dark.at(x, y)[c] - (*expected)[c]);
+                        if (error > worst) {
+                            worst = error;
+                            where = {x, y};
+                        }
+                    }
+                }
+            EXPECT_GT(count, 3000);
+            RecordProperty("worst_" + std::to_string(int(handedness)) + "_" + std::to_string(int(shading)),
+                           std::to_string(worst / peak));
+            EXPECT_GT(peak, 5.0f * least) << "there is a highlight";
+            EXPECT_LT(worst, tolerance * peak) << "handedness " << handedness << ", shading " << int(shading)
+                                               << ", pixel " << where.x << ", " << where.y;
+        }
 }
 
 } // namespace lumel::test

@@ -23,7 +23,10 @@ TEST_F(FrameTest, ForwardPixelEqualsTheSharedFormulaInCpp)
     const Picture picture = shoot(s, camera, settings);
 
     shared::SurfaceReflectance surface;
-    surface.lobe = shared::makeLobe({0, 0, 1}, glm::vec3(1.0f / 50.0f, 0.0f, 1.0f / 50.0f));
+    const float* texel = s.materials[0].reflectance.levels[0].at(0, 0);
+    ASSERT_NE(texel[baker::kSxy], 0.0f) << "axes matter";
+    surface.lobe =
+        shared::makeLobe({0, 0, 1}, glm::vec3(texel[baker::kSxx], texel[baker::kSxy], texel[baker::kSyy]));
     surface.macroNormal = {0, 0, 1};
     surface.specular = maps.specularConstant;
     surface.diffuse = maps.diffuseConstant;
