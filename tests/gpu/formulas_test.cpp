@@ -240,7 +240,8 @@ struct ShinyPlane {
 TEST_F(Formulas, LightEveryPixelOfATurnedAnisotropicSurface)
 {
     for (const float handedness : {1.0f, -1.0f})
-        for (const auto& [shading, tolerance] : {std::pair(Shading::forward, 0.003f), {Shading::tsl, 0.005f}}) {
+        for (const auto& [shading, tolerance] :
+             {std::pair(Shading::forward, 0.003f), {Shading::tsl, 0.005f}}) {
             ShinyPlane plane(handedness);
             Settings settings = settingsFor(shading, {160, 120});
             settings.msaa = 1;
