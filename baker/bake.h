@@ -106,5 +106,8 @@ ReflectanceMips bakeExr(const std::filesystem::path& file, const Maps& maps, con
                         bool asFloat, Progress* progress);
 // Throws Error when the file is not such a chain, complete and finite.
 ReflectanceMips readExr(const std::filesystem::path& file);
+// lumel:source of a baked file that readExr() would accept by its header, else empty.
+// `isFloat`, when given, is told whether it stores single precision.
+std::string bakedSource(const std::filesystem::path& file, bool* isFloat = nullptr);
 
 } // namespace lumel::baker

@@ -130,7 +130,7 @@ public:
         const SceneImage& source = scene_.images[size_t(index)];
         auto found = decoded_.find(index);
         if (found == decoded_.end())
-            found = decoded_.emplace(index, readImage(source.bytes, source.name)).first;
+            found = decoded_.emplace(index, readImage(source.bytes, source.name, kGltfImageFormats)).first;
         return &found->second;
     }
 
