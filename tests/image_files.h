@@ -64,6 +64,30 @@ inline std::string jpegBomb(int side, int scans)
     return bytes + "\xff\xd9";
 }
 
+// The PNG file with metadata nested so deep that OpenImageIO 2.4's reader of it runs out of stack.
+inline std::string withNestedMetadata(const std::string& png)
+{
+    constexpr int kDepth = 200000;
+    std::string xml = "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\"><rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/"
+                      "22-rdf-syntax-ns#\"><rdf:Description>";
+    for (const char* tag : {"<rdf:Seq>", "</rdf:Seq>"})
+        for (int i = 0; i < kDepth; ++i)
+            xml += tag;
+    xml += "</rdf:Description></rdf:RDF></x:xmpmeta>";
+    const auto word = [](uint32_t value) {
+        return std::string{char(value >> 24), char(value >> 16), char(value >> 8), char(value)};
+    };
+    const std::string data = std::string("iTXtXML:com.adobe.xmp\0\0\0\0\0", 26) + xml;
+    uint32_t crc = 0xffffffffu; // RFC 2083, section 3.4: over a chunk's name and data
+    for (const char c : data) {
+        crc ^= uint8_t(c);
+        for (int bit = 0; bit < 8; ++bit)
+            crc = crc & 1 ? 0xedb88320u ^ (crc >> 1) : crc >> 1;
+    }
+    constexpr size_t kHeader = 33; // signature and IHDR
+    return png.substr(0, kHeader) + word(uint32_t(data.size() - 4)) + data + word(~crc) + png.substr(kHeader);
+}
+
 // The first bytes of formats that OpenImageIO would read, with as much behind them.
 inline std::string foreignFile(const std::string& format, const std::filesystem::path& folder)
 {

@@ -52,7 +52,7 @@ protected:
         expectOneLine(bake(map), 1, "lumel: " + map + ": ");
         EXPECT_FALSE(fs::exists(folder_ / "out.exr")) << map;
     }
-    // Keeps the first of a format's file.
+    // The first part of a file of that format.
     std::string cutFile(const std::string& ending, double share)
     {
         test::writeImageFile(folder_ / ("whole." + ending), 64, 64);
@@ -92,6 +92,13 @@ TEST_F(ImageFiles, OtherFormatsAreOneLineWhateverTheirName)
         test::writeBytes(folder_ / "map.png", test::foreignFile(format, folder_));
         expectRefused("map.png");
     }
+}
+
+TEST_F(ImageFiles, CrashesOfOpenImageIoAreOneLine)
+{
+    test::writeImageFile(folder_ / "plain.png", 16, 16);
+    test::writeBytes(folder_ / "nested.png", test::withNestedMetadata(test::bytesOf(folder_ / "plain.png")));
+    expectRefused("nested.png");
 }
 
 TEST_F(ImageFiles, JpegBombsAreCut)

@@ -246,6 +246,13 @@ TEST_F(Decoding, ChildrenMayDie)
     EXPECT_EQ(refusal(folder / "a.png"), "") << "the next one suffers";
 }
 
+TEST_F(Decoding, AnOverflowOfOpenImageIosStackIsALine)
+{
+    test::writeImageFile(folder / "a.png", 16, 16);
+    EXPECT_TRUE(contains(refusalOf(test::withNestedMetadata(test::bytesOf(folder / "a.png")), "nested.png"),
+                         "damaged image (its decoder ended: "));
+}
+
 TEST_F(Decoding, MessagesAreOneLineOfPrintableText)
 {
     EXPECT_EQ(refusalOf("TEST lines"), (folder / "test.png").string() + ": one?two?[31m");
