@@ -26,9 +26,25 @@ inline std::filesystem::path writeBytes(const std::filesystem::path& file, const
     return file;
 }
 
+// Metadata as cameras and painting programs write it, whose readers are weaker than those of pixels.
+inline void addMetadata(OIIO::ImageSpec& spec, const std::string& ending)
+{
+    spec.attribute("ImageDescription", "slopes and grain");
+    spec.attribute("Exif:ExposureTime", 0.01f);
+    spec.attribute("Exif:UserComment", "none");
+    spec.attribute("IPTC:Caption", "slopes and grain");
+    spec.attribute("GPS:Latitude", 1.0f);
+    std::array<uint8_t, 400> profile;
+    for (size_t i = 0; i < profile.size(); ++i)
+        profile[i] = uint8_t(i * 7);
+    if (ending == ".jpg" || ending == ".tif") // PNG's writer looks into it
+        spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, int(profile.size())),
+                       profile.data());
+}
+
 // Slopes and grain in three channels, by OpenImageIO's writer for the file's ending.
 inline void writeImageFile(const std::filesystem::path& file, int width, int height,
-                           OIIO::TypeDesc type = OIIO::TypeDesc::UINT8)
+                           OIIO::TypeDesc type = OIIO::TypeDesc::UINT8, bool withMetadata = false)
 {
     std::vector<float> pixels(size_t(width) * size_t(height) * 3);
     uint32_t random = 1;
@@ -39,7 +55,9 @@ inline void writeImageFile(const std::filesystem::path& file, int width, int hei
     }
     const auto output = OIIO::ImageOutput::create(file.string());
     ASSERT_TRUE(output) << file;
-    const OIIO::ImageSpec spec(width, height, 3, type);
+    OIIO::ImageSpec spec(width, height, 3, type);
+    if (withMetadata)
+        addMetadata(spec, file.extension().string());
     ASSERT_TRUE(output->open(file.string(), spec) &&
                 output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) && output->close())
         << output->geterror();
