@@ -1,4 +1,3 @@
-#include "../core/oiio_leak.h"
 #include "gltf_builder.h"
 #include "scene/material_maps.h"
 
@@ -311,7 +310,6 @@ TEST_F(MaterialMaps, UnlitReflectsNothing)
 
 TEST_F(MaterialMaps, BrokenImagesAreNamed)
 {
-    const IgnoreOiioLeak ignore;
     material.normalImage = addImage(2, 2, 3, [](int, int, int) { return 128; });
     scene.images[0].bytes.resize(20);
     EXPECT_TRUE(contains(errorOf([&] { reflectanceMaps(scene, material); }), "image0.png"));
