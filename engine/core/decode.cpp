@@ -141,10 +141,16 @@ size_t bytesOf(SampleType type)
 
 void toFloats(const std::byte* from, SampleType type, std::span<float> to)
 {
-    constexpr size_t kChunk = size_t(1) << 24; // OpenImageIO counts in int
-    for (size_t at = 0; at < to.size(); at += kChunk)
-        OIIO::convert_pixel_values(typeDesc(type), from + at * bytesOf(type), OIIO::TypeDesc::FLOAT, &to[at],
-                                   int(std::min(kChunk, to.size() - at)));
+    // As a picture of one channel, whose rows OpenImageIO shares among its threads, and a rest.
+    constexpr size_t kRow = size_t(1) << 14;
+    const size_t rows = to.size() / kRow, rest = rows * kRow;
+    if (rows > 0)
+        OIIO::parallel_convert_image(1, int(kRow), int(rows), 1, from, typeDesc(type), OIIO::AutoStride,
+                                     OIIO::AutoStride, OIIO::AutoStride, to.data(), OIIO::TypeDesc::FLOAT,
+                                     OIIO::AutoStride, OIIO::AutoStride, OIIO::AutoStride);
+    if (to.size() > rest)
+        OIIO::convert_pixel_values(typeDesc(type), from + rest * bytesOf(type), OIIO::TypeDesc::FLOAT,
+                                   &to[rest], int(to.size() - rest));
 }
 
 size_t DecodedShape::samples() const
