@@ -113,6 +113,8 @@ void Renderer::countLumels(const Frame& frame)
         stats_.lumelsKept = known_.lumelsMarked;
     } else {
         const shared::Plan& plan = plan_.read();
+        if (plan.dropped > 0)
+            spdlog::error("{} entries found no room in the lists of tiles; report this", plan.dropped);
         known_.lumelsMarked = plan.lumelsMarked;
         known_.tilesMarked = plan.marked;
         lumelsPending_ = plan.lumelsPending;

@@ -99,6 +99,6 @@ void lightTile(uint slot)
 void main()
 {
     Job job = push.jobs.at[push.job];
-    for (uint i = gl_WorkGroupID.x; i < job.count; i += gl_NumWorkGroups.x)
+    for (uint i = gl_WorkGroupID.x; i < listed(job); i += gl_NumWorkGroups.x)
         lightTile(job.first + i);
 }

@@ -50,8 +50,6 @@ std::string missingFeature(const vk::raii::PhysicalDevice& device)
     const auto& f12 = features.get<vk::PhysicalDeviceVulkan12Features>();
     const auto& f13 = features.get<vk::PhysicalDeviceVulkan13Features>();
     const auto& f10 = features.get<vk::PhysicalDeviceFeatures2>().features;
-    if (!f10.shaderInt64)
-        return "shaderInt64";
     if (!f10.shaderStorageImageWriteWithoutFormat)
         return "shaderStorageImageWriteWithoutFormat";
     if (!f12.scalarBlockLayout)
@@ -201,7 +199,7 @@ void Device::createDevice()
               .pQueueCreateInfos = &queue,
               .enabledExtensionCount = windowExtensions_.empty() ? 0u : 1u,
               .ppEnabledExtensionNames = &swapchain},
-             {.features = {.shaderStorageImageWriteWithoutFormat = VK_TRUE, .shaderInt64 = VK_TRUE}},
+             {.features = {.shaderStorageImageWriteWithoutFormat = VK_TRUE}},
              {.scalarBlockLayout = VK_TRUE, .bufferDeviceAddress = VK_TRUE},
              {.synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE, .maintenance4 = VK_TRUE});
     device_ = vk::raii::Device(physical_, info.get<vk::DeviceCreateInfo>());

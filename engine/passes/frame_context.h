@@ -72,6 +72,13 @@ void pushConstants(vk::CommandBuffer commands, const gpu::Pipeline& pipeline, co
 void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
               std::initializer_list<vk::DescriptorSet> sets = {});
 
+// Over a list, for shaders that include lib/rows.glsl.
+inline void dispatchList(vk::CommandBuffer commands, uint32_t invocations)
+{
+    const glm::uvec2 groups = shared::groupRows(invocations);
+    commands.dispatch(groups.x, groups.y, 1);
+}
+
 inline uint32_t groupsOf64(uint32_t invocations)
 {
     return (invocations + 63) / 64;

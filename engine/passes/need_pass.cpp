@@ -117,7 +117,7 @@ void NeedPass::count(Frame& frame)
                                    .divisor = float(divisor_),
                                    .object = 0,
                                    .size = samples_});
-    frame.commands.dispatch(groupsOf64(samples_.x * samples_.y), 1, 1);
+    dispatchList(frame.commands, samples_.x * samples_.y);
     gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::hostRead);
 }
 
@@ -136,7 +136,8 @@ void NeedPass::read(Frame& frame) const
                           .litSize = objects[i].data.litSize};
     const auto& total = *total_.mapped<shared::NeedTotal>();
     for (size_t i = 0; i < frame.elongations.size(); ++i)
-        frame.elongations[i] = float(total.elongations[i]) / float(shared::kNeedScale);
+        frame.elongations[i] = float(double(uint64_t(total.carries[i]) << 32 | total.elongations[i]) /
+                                     double(shared::kNeedScale));
 }
 
 } // namespace lumel
