@@ -26,6 +26,21 @@ Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string&
     device.name(buffer_, name);
 }
 
+void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Buffer& to)
+{
+    commands.copyBuffer(staging.handle(), to.handle(),
+                        vk::BufferCopy{.size = std::min(staging.size(), to.size())});
+    memoryBarrier(commands, Use::transferWrite, Use::general);
+}
+
+void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Image& to,
+                  const std::vector<vk::BufferImageCopy>& mips)
+{
+    imageBarrier(commands, to.handle(), to.aspect(), Use::undefined, Use::transferWrite);
+    commands.copyBufferToImage(staging.handle(), to.handle(), vk::ImageLayout::eTransferDstOptimal, mips);
+    imageBarrier(commands, to.handle(), to.aspect(), Use::transferWrite, Use::shaderSample);
+}
+
 Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const std::string& name)
 {
     Buffer buffer(device, data.size(), Buffer::Home::device, name);
@@ -33,9 +48,7 @@ Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const
         return buffer;
     const Buffer staging(device, data.size(), Buffer::Home::host, name + " (staging)");
     std::memcpy(staging.mapped<void>(), data.data(), data.size());
-    device.runOnce([&](vk::CommandBuffer commands) {
-        commands.copyBuffer(staging.handle(), buffer.handle(), vk::BufferCopy{.size = data.size()});
-    });
+    device.runOnce([&](vk::CommandBuffer commands) { recordUpload(commands, staging, buffer); });
     return buffer;
 }
 
@@ -101,12 +114,7 @@ Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
                           .imageExtent = {std::max(1u, width >> mip), std::max(1u, height >> mip), 1}});
         offset += levels[mip].size() * sizeof(uint16_t);
     }
-    device.runOnce([&](vk::CommandBuffer commands) {
-        imageBarrier(commands, image.handle(), image.aspect(), Use::undefined, Use::transferWrite);
-        commands.copyBufferToImage(staging.handle(), image.handle(), vk::ImageLayout::eTransferDstOptimal,
-                                   copies);
-        imageBarrier(commands, image.handle(), image.aspect(), Use::transferWrite, Use::fragmentSample);
-    });
+    device.runOnce([&](vk::CommandBuffer commands) { recordUpload(commands, staging, image, copies); });
     return image;
 }
 

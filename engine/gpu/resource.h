@@ -71,6 +71,11 @@ private:
     vk::raii::ImageView view_ = nullptr;
 };
 
+// Copies into a buffer or the mips of an image; whatever follows, in any shader or command, may read them.
+void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Buffer& to);
+void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Image& to,
+                  const std::vector<vk::BufferImageCopy>& mips);
+
 // An RGBA16F image with all its mips for sampling. levels[i] holds width >> i by height >> i RGBA half texels
 // (floor, at least 1).
 Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
