@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/progress.h"
+#include "passes/demands.h"
 #include "setup.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -102,6 +103,8 @@ void runShot(const ShotArguments& arguments)
     checkWritable(files.of(0));
     if (!arguments.stats.empty())
         checkWritable(arguments.stats);
+    const gpu::Device device(forRendering(arguments.device));
+    checkSizes(device, arguments.settings);
     scene::Scene scene = scene::loadGltf(arguments.scene);
     changeScene(arguments, scene);
     const scene::Camera camera = chooseCamera(arguments, scene);
@@ -109,7 +112,6 @@ void runShot(const ShotArguments& arguments)
                                                         .model = arguments.model,
                                                         .useCache = arguments.useCache,
                                                         .threads = arguments.threads});
-    const gpu::Device device(arguments.device);
     Renderer renderer(device, scene, materials, arguments.settings);
     const std::vector<FrameStats> frames =
         renderFrames(arguments, Playback(scene, camera, arguments.path), files, renderer);

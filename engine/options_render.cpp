@@ -51,9 +51,13 @@ const auto kViews = valuesOf<View>(kViewNames, 1);
 
 void addDeviceOptions(CLI::App* command, SceneArguments& a)
 {
-    command->add_option("--device", a.device.device, "Vulkan device, by index or part of its name");
-    command->add_flag("--validate", a.device.validation,
-                      "run under Vulkan validation; a message is a failure");
+    command
+        ->add_option("--device", a.device.device,
+                     "Vulkan device, by index or part of its or its driver's name")
+        ->envname("LUMEL_DEVICE");
+    command
+        ->add_flag("--validate", a.device.validation, "run under Vulkan validation; a message is a failure")
+        ->envname("LUMEL_VALIDATE");
 }
 
 void addCamera(CLI::App* command, SceneArguments& a)

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/progress.h"
+#include "passes/demands.h"
 #include "scene/pick.h"
 #include "setup.h"
 #include "ui/panels.h"
@@ -53,7 +54,8 @@ Viewer::Frontend::~Frontend()
 }
 
 Viewer::Viewer(const ViewArguments& arguments)
-    : arguments_(arguments), frontend_(arguments), device_(std::make_unique<gpu::Device>(arguments.device)),
+    : arguments_(arguments), frontend_(arguments),
+      device_(std::make_unique<gpu::Device>(forRendering(arguments.device))),
       window_(std::make_unique<gpu::Window>(*device_, frontend_.window, arguments.presentMode)),
       renderers_(std::make_unique<ViewRenderers>(*device_))
 {

@@ -6,9 +6,13 @@
 
 namespace lumel::gpu {
 
-Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string& name)
+Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string& name,
+               const std::string& remedy)
     : size_(std::max<size_t>(bytes, 16))
 {
+    if (size_ > device.limits().maxBufferSize)
+        throw Error(fmt::format("Vulkan: {} has maxBufferSize {}, {} needed: {}", device.limits().device,
+                                device.limits().maxBufferSize, size_, remedy));
     using Usage = vk::BufferUsageFlagBits;
     buffer_ = vk::raii::Buffer(device.handle(), {.size = size_,
                                                  .usage = Usage::eStorageBuffer | Usage::eIndirectBuffer |
@@ -18,11 +22,11 @@ Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string&
     using Property = vk::MemoryPropertyFlagBits;
     const auto wanted = home == Home::host ? Property::eHostVisible | Property::eHostCoherent
                                            : vk::MemoryPropertyFlags(Property::eDeviceLocal);
-    memory_ = device.allocate(buffer_.getMemoryRequirements(), wanted, true);
-    buffer_.bindMemory(*memory_, 0);
+    memory_ = device.allocate(buffer_.getMemoryRequirements(), wanted, remedy, true);
+    buffer_.bindMemory(*memory_.handle, 0);
     address_ = device.handle().getBufferAddress({.buffer = *buffer_});
     if (home == Home::host)
-        mapped_ = memory_.mapMemory(0, size_);
+        mapped_ = memory_.handle.mapMemory(0, size_);
     device.name(buffer_, name);
 }
 
@@ -58,20 +62,63 @@ vk::ImageAspectFlags Image::aspect() const
                                                   : vk::ImageAspectFlagBits::eColor;
 }
 
+namespace {
+
+vk::ImageCreateInfo createInfoOf(const ImageInfo& info)
+{
+    return {.imageType = vk::ImageType::e2D,
+            .format = info.format,
+            .extent = {info.width, info.height, 1},
+            .mipLevels = info.mips,
+            .arrayLayers = info.layers,
+            .samples = info.samples,
+            .tiling = vk::ImageTiling::eOptimal,
+            .usage = info.usage};
+}
+
+// One line each for what the device cannot serve.
+std::vector<std::string> unmetBy(const Device& device, const ImageInfo& info)
+{
+    const std::string& name = device.limits().device;
+    try {
+        const auto properties = device.physical().getImageFormatProperties(
+            info.format, vk::ImageType::e2D, vk::ImageTiling::eOptimal, info.usage);
+        std::vector<std::string> lines = unmet(name, properties,
+                                               {.width = info.width,
+                                                .height = info.height,
+                                                .layers = info.layers,
+                                                .mips = info.mips,
+                                                .samples = info.samples,
+                                                .remedy = info.remedy});
+        if (!lines.empty())
+            return lines; // and its size is not to be asked for
+    } catch (const vk::FormatNotSupportedError&) {
+        return {fmt::format("{} has no {} images for {}", name, vk::to_string(info.format),
+                            vk::to_string(info.usage))};
+    }
+    const vk::ImageCreateInfo create = createInfoOf(info);
+    const auto memory = device.handle().getImageMemoryRequirements(vk::DeviceImageMemoryRequirements{
+        .pCreateInfo = &create, .planeAspect = vk::ImageAspectFlagBits::eNone});
+    return unmet(device.limits(), memory.memoryRequirements.size, 0, info.remedy);
+}
+
+} // namespace
+
+void checkImage(const Device& device, const ImageInfo& info)
+{
+    const std::vector<std::string> problems = unmetBy(device, info);
+    if (!problems.empty())
+        throw Error("Vulkan: " + problems.front());
+}
+
 Image::Image(const Device& device, const ImageInfo& info, const std::string& name) : info_(info)
 {
-    image_ = vk::raii::Image(device.handle(), {.imageType = vk::ImageType::e2D,
-                                               .format = info.format,
-                                               .extent = {info.width, info.height, 1},
-                                               .mipLevels = info.mips,
-                                               .arrayLayers = info.layers,
-                                               .samples = info.samples,
-                                               .tiling = vk::ImageTiling::eOptimal,
-                                               .usage = info.usage});
+    checkImage(device, info);
+    image_ = vk::raii::Image(device.handle(), createInfoOf(info));
     const auto requirements = image_.getMemoryRequirements();
     bytes_ = requirements.size;
-    memory_ = device.allocate(requirements, vk::MemoryPropertyFlagBits::eDeviceLocal);
-    image_.bindMemory(*memory_, 0);
+    memory_ = device.allocate(requirements, vk::MemoryPropertyFlagBits::eDeviceLocal, info.remedy);
+    image_.bindMemory(*memory_.handle, 0);
     device.name(image_, name);
 
     const auto type =

@@ -11,6 +11,8 @@ namespace lumel {
 // Render targets of one picture size.
 struct Targets {
     Targets(const gpu::Device& device, const Settings& settings);
+    // Throws Error when the device has no such images.
+    static void check(const gpu::Device& device, const Settings& settings);
     gpu::Image hdr;          // linear radiance, RGBA16F, one sample a pixel
     gpu::Image depth;        // D32, as many samples as the draw pass
     gpu::Image multisampled; // RGBA16F, only with msaa > 1

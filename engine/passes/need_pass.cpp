@@ -7,7 +7,13 @@ namespace {
 gpu::Image makeTarget(const gpu::Device& device, glm::uvec2 size, vk::Format format,
                       vk::ImageUsageFlags usage)
 {
-    return {device, {.format = format, .width = size.x, .height = size.y, .usage = usage}, "need"};
+    return {device,
+            {.format = format,
+             .width = size.x,
+             .height = size.y,
+             .usage = usage,
+             .remedy = "use a smaller --size"},
+            "need"};
 }
 
 // Offset of sample centres in full-size pixels from the quarter pixel's centre: the 16 pixels of a 4 x 4

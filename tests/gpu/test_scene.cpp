@@ -1,12 +1,15 @@
 #include "test_scene.h"
 #include "core/compare.h"
+#include "passes/demands.h"
+#include <cstdlib>
 #include <random>
 
 namespace lumel::test {
 
 const gpu::Device& device()
 {
-    static const gpu::Device instance({.device = "", .validation = true});
+    const char* wanted = std::getenv("LUMEL_DEVICE");
+    static const gpu::Device instance(forRendering({.device = wanted ? wanted : "", .validation = true}));
     return instance;
 }
 
