@@ -6,11 +6,26 @@
 
 namespace lumel::test {
 
+namespace {
+
+// Given up before main() ends: at exit, validation layers and drivers are torn down in an order of their own.
+std::unique_ptr<gpu::Device> sharedDevice;
+
+struct GivesDeviceUp : testing::Environment {
+    void TearDown() override { sharedDevice.reset(); }
+};
+const auto* const givesDeviceUp = testing::AddGlobalTestEnvironment(new GivesDeviceUp);
+
+} // namespace
+
 const gpu::Device& device()
 {
-    const char* wanted = std::getenv("LUMEL_DEVICE");
-    static const gpu::Device instance(forRendering({.device = wanted ? wanted : "", .validation = true}));
-    return instance;
+    if (!sharedDevice) {
+        const char* wanted = std::getenv("LUMEL_DEVICE");
+        sharedDevice =
+            std::make_unique<gpu::Device>(forRendering({.device = wanted ? wanted : "", .validation = true}));
+    }
+    return *sharedDevice;
 }
 
 namespace {
