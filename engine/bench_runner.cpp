@@ -116,7 +116,7 @@ void BenchRunner::addScene(const std::filesystem::path& file)
 
 void BenchRunner::addView(scene::Scene& scene, const BenchArguments& arguments)
 {
-    const scene::Camera camera = chooseCamera(arguments, scene);
+    const scene::Camera camera = chooseCamera(arguments, scene).camera;
     PathOptions path = arguments.path;
     if (arguments.usualPath)
         path.path = camera.node >= 0 ? scene::Path::animation : scene::Path::orbit;

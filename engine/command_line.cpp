@@ -62,6 +62,8 @@ void addSettings(Options& options, const Settings& s)
     options.add("--msaa", s.msaa, usual.msaa);
     options.add("--environment-intensity", s.environmentIntensity, usual.environmentIntensity);
     options.add("--environment-rotation", s.environmentRotation, usual.environmentRotation);
+    if (s.ambient)
+        options.set("--ambient", fmt::format("{}", *s.ambient));
     if (!s.shadows)
         options.set("--shadows", "off");
     options.add("--shadow-size", s.shadowSize, usual.shadowSize);

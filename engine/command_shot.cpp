@@ -104,7 +104,7 @@ void runShot(const ShotArguments& arguments)
         checkWritable(arguments.stats);
     scene::Scene scene = scene::loadGltf(arguments.scene);
     changeScene(arguments, scene);
-    const scene::Camera camera = chooseCamera(arguments, scene);
+    const scene::Camera camera = chooseCamera(arguments, scene).camera;
     const auto materials = scene::bakeMaterials(scene, {.method = arguments.filter,
                                                         .model = arguments.model,
                                                         .useCache = arguments.useCache,

@@ -237,7 +237,7 @@ void Renderer::setSettings(const Settings& settings)
         sumSamples_ = 0;
     }
     const auto lightOf = [](const Settings& s) {
-        return std::tuple(s.environmentIntensity, s.environmentRotation, s.shadows, s.shadowSize);
+        return std::tuple(s.environmentIntensity, s.environmentRotation, s.ambient, s.shadows, s.shadowSize);
     };
     if (lightOf(settings) != lightOf(before))
         sumSamples_ = 0; // lumels see to it that what changed is lit again
@@ -299,6 +299,7 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
                 .rooms = rooms_};
     frame.detail.levelOffset += quality_.levelBias;
     renderSize_ = frame.renderSize;
+    scene_.adjustAmbient(settings_.ambient, frameIndex_);
     scene_.adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, frameIndex_);
     shadow_.prepare(device_, scene_, settings_, frameIndex_);
     frame.inView = scene_.objectsInView(frame.clipFromWorld);

@@ -144,6 +144,11 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
         ->check(CLI::Range(-360.0, 360.0))
         ->capture_default_str();
     command
+        ->add_option("--ambient", a.settings.ambient,
+                     "radiance of an even sky, and a third of it from the ground, beside the surroundings")
+        ->check(CLI::Range(0.0, 1e6))
+        ->default_str("4 % of the brightest sun in a scene with lights of its own, else 0");
+    command
         ->add_option_function<std::string>(
             "--shadows", [&a](const std::string& text) { a.settings.shadows = text == "on"; },
             "shadows of sun and spot lights, the 8 strongest: on or off")
@@ -213,6 +218,8 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
     command->parse_complete_callback([&a, msaa] {
         if (a.settings.budgetMs > 0.0 && msaa->count() == 0)
             a.settings.msaa = 1;
+        if (a.environment == "none" && !a.settings.ambient) // none is none
+            a.settings.ambient = 0.0f;
     });
     command->add_option("--exposure", a.settings.exposure, "display: multiplies radiance")
         ->check(CLI::PositiveNumber)

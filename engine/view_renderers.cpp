@@ -16,8 +16,8 @@ bool sameSettings(const Settings& a, const Settings& b)
     const auto all = [](const Settings& s) {
         return std::tuple(s.view, s.shading, s.size, s.filter, s.anisotropy, s.msaa, s.exposure, s.toneMap,
                           s.poolBytes, s.levelOffset, s.lumelsPerPixel, s.lumelBudget, s.refreshShare,
-                          s.tolerance, s.budgetMs, s.environmentIntensity, s.environmentRotation, s.shadows,
-                          s.shadowSize);
+                          s.tolerance, s.budgetMs, s.environmentIntensity, s.environmentRotation, s.ambient,
+                          s.shadows, s.shadowSize);
     };
     return all(a) == all(b);
 }

@@ -33,6 +33,8 @@ public:
     std::vector<tsl::ObjectRoom> rooms(size_t side) const;
     std::vector<glm::uvec2> lumelGrids() const;
 
+    float ambient() const { return slots_[0].renderer ? slots_[0].renderer->scene().skyRadiance().x : 0.0f; }
+
     // The picture of a side, in use transferRead; null before the first one.
     const gpu::Image* picture(size_t side) const;
     // The picture of a side as a new renderer would render it, display values or radiance. The arguments of

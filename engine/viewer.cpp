@@ -160,6 +160,7 @@ void Viewer::render()
     if (report_.history.size() > kHistory)
         report_.history.pop_front();
     report_.rooms = renderers_->rooms(0);
+    report_.ambient = renderers_->ambient();
 }
 
 void Viewer::show(const ui::Layout& layout)

@@ -229,6 +229,7 @@ void Viewer::finishLoading()
             arguments_.lights = 0;
             arguments_.lightList.clear();
             arguments_.environment.clear();
+            state_.settings.ambient.reset();
             arguments_.materialFiles.clear();
         }
         state_.lightsEdited = false;
@@ -271,6 +272,8 @@ void Viewer::changeEnvironment()
         return;
     }
     environmentName_ = arguments_.environment = state_.environment;
+    if (state_.environment == "none" && !state_.settings.ambient) // as for --environment none
+        state_.settings.ambient = 0.0f;
     renderers_->setEnvironment(environment_);
     if (state_.lightsEdited)
         return;
@@ -282,8 +285,8 @@ void Viewer::resetView()
 {
     const scene::Scene& scene = *renderers_->scene();
     arguments_.settings.size = state_.settings.size; // of the picture, which frames the scene
-    const scene::Camera camera = chooseCamera(arguments_, scene);
-    state_.camera.reset(camera, scene.bounds, arguments_.eye || arguments_.target || scene.cameras.empty());
+    const ChosenCamera chosen = chooseCamera(arguments_, scene);
+    state_.camera.reset(chosen.camera, scene.bounds, !chosen.named);
     state_.lights = usualLights();
     if (std::exchange(state_.lightsEdited, false))
         renderers_->setLights(state_.lights);

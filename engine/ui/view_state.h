@@ -80,6 +80,7 @@ struct ViewReport {
     std::string message; // shown until `messageUntil`, in seconds of glfwGetTime()
     bool messageIsError = false;
     double messageUntil = 0.0;
+    float ambient = 0.0f;     // radiance of the even sky that is there
     int referenceSamples = 0; // behind psnr
     Inspection inspection;
 };
