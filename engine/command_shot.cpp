@@ -111,9 +111,13 @@ void runShot(const ShotArguments& arguments)
                                                         .threads = arguments.threads});
     const gpu::Device device(arguments.device);
     Renderer renderer(device, scene, materials, arguments.settings);
-    const std::vector<FrameStats> frames =
-        renderFrames(arguments, Playback(scene, camera, arguments.path), files, renderer);
-    const RunInfo run = describeRun(arguments, arguments.path, camera, device);
+    const Playback playback(scene, camera, arguments.path);
+    playback.apply(renderer, 0);
+    ShotArguments exposed = arguments; // all frames as the first
+    exposed.settings.exposure = chooseExposure(arguments, scene, renderer, playback.camera(0));
+    renderer.setSettings(exposed.settings);
+    const std::vector<FrameStats> frames = renderFrames(exposed, playback, files, renderer);
+    const RunInfo run = describeRun(exposed, arguments.path, camera, device);
     if (!arguments.stats.empty())
         writeFileAtomically(
             arguments.stats,

@@ -272,6 +272,34 @@ glm::mat4 Renderer::clipFromWorld(const scene::Camera& camera) const
            glm::lookAt(camera.eye, camera.target, camera.up);
 }
 
+// With the scene made ready for it. `settings` and `targets` may be others than the renderer's.
+Frame Renderer::makeFrame(const scene::Camera& camera, const Settings& settings, Targets& targets,
+                          uint32_t index)
+{
+    Frame frame{.device = device_,
+                .commands = *commands_.front(),
+                .timer = timer_,
+                .scene = scene_,
+                .targets = targets,
+                .settings = settings,
+                .renderSize = settings.size,
+                .clipFromWorld = clipFromWorld(camera),
+                .eye = camera.eye,
+                .index = index,
+                .inView = {},
+                .needs = {},
+                .elongations = {},
+                .detail = detail_.value_or(tsl::Detail{settings_.levelOffset, settings_.anisotropy}),
+                .lumelBudget = settings.lumelBudget,
+                .rooms = rooms_};
+    scene_.adjustAmbient(settings_.ambient, index);
+    scene_.adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, index);
+    shadow_.prepare(device_, scene_, settings_, index);
+    frame.inView = scene_.objectsInView(frame.clipFromWorld);
+    scene_.writeObjects();
+    return frame;
+}
+
 FrameStats Renderer::renderFrame(const scene::Camera& camera)
 {
     if (interrupted())
@@ -280,32 +308,13 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     stats_ = {};
     if (budget_)
         quality_ = budget_->quality();
-    Frame frame{.device = device_,
-                .commands = *commands_.front(),
-                .timer = timer_,
-                .scene = scene_,
-                .targets = targets_,
-                .settings = settings_,
-                .renderSize =
-                    glm::max(glm::uvec2(glm::round(glm::vec2(settings_.size) * quality_.renderScale)), 1u),
-                .clipFromWorld = clipFromWorld(camera),
-                .eye = camera.eye,
-                .index = ++frameIndex_,
-                .inView = {},
-                .needs = {},
-                .elongations = {},
-                .detail = detail_.value_or(tsl::Detail{settings_.levelOffset, settings_.anisotropy}),
-                .lumelBudget = std::min(settings_.lumelBudget, quality_.lumels),
-                .rooms = rooms_};
+    Frame frame = makeFrame(camera, settings_, targets_, ++frameIndex_);
+    frame.renderSize = glm::max(glm::uvec2(glm::round(glm::vec2(settings_.size) * quality_.renderScale)), 1u);
     frame.detail.levelOffset += quality_.levelBias;
+    frame.lumelBudget = std::min(settings_.lumelBudget, quality_.lumels);
     renderSize_ = frame.renderSize;
-    scene_.adjustAmbient(settings_.ambient, frameIndex_);
-    scene_.adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, frameIndex_);
-    shadow_.prepare(device_, scene_, settings_, frameIndex_);
-    frame.inView = scene_.objectsInView(frame.clipFromWorld);
     if (budget_ && settings_.shading == Shading::tsl)
         noteRestless(frame);
-    scene_.writeObjects();
     writeView(frame, glm::vec2(0.0f));
     if (sumSamples_ == 0)
         sumFrame_ = frameIndex_;
@@ -318,6 +327,7 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     stats_.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (settings_.shading == Shading::tsl)
         countLumels(frame);
+    stats_.exposure = settings_.exposure;
     stats_.renderScale = quality_.renderScale;
     stats_.budgetBias = quality_.levelBias;
     stats_.lumelBudget = frame.lumelBudget;

@@ -3,6 +3,8 @@
 #include "passes/names.h"
 #include "scene/light_text.h"
 #include "shared/structs.h"
+#include <charconv>
+#include <cmath>
 
 namespace lumel {
 
@@ -54,6 +56,17 @@ void addDeviceOptions(CLI::App* command, SceneArguments& a)
     command->add_option("--device", a.device.device, "Vulkan device, by index or part of its name");
     command->add_flag("--validate", a.device.validation,
                       "run under Vulkan validation; a message is a failure");
+}
+
+void parseExposure(const std::string& text, SceneArguments& a)
+{
+    a.exposure = text == "auto" ? ExposureChoice::automatic : ExposureChoice::fixed;
+    if (a.exposure == ExposureChoice::automatic)
+        return;
+    float& number = a.settings.exposure;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || !(number > 0.0f && std::isfinite(number)))
+        throw CLI::ValidationError("--exposure " + text, "write auto or a number above 0");
 }
 
 void addCamera(CLI::App* command, SceneArguments& a)
@@ -221,9 +234,11 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
         if (a.environment == "none" && !a.settings.ambient) // none is none
             a.settings.ambient = 0.0f;
     });
-    command->add_option("--exposure", a.settings.exposure, "display: multiplies radiance")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
+    command
+        ->add_option_function<std::string>(
+            "--exposure", [&a](const std::string& text) { parseExposure(text, a); },
+            "display: multiplies radiance; a number, or auto: what brings the view to middle grey")
+        ->default_str("1, or auto where the scene's own lights would give a white or black picture");
     command->add_option("--tone-map", a.settings.toneMap, "display: neutral (Khronos PBR), aces or clamp")
         ->transform(CLI::CheckedTransformer(kToneMaps).description(""))
         ->default_str("neutral");

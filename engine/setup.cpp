@@ -61,6 +61,25 @@ ChosenCamera chooseCamera(const SceneArguments& arguments, const scene::Scene& s
                             known.empty() ? " none: leave --camera out" : known));
 }
 
+bool hasOwnLights(const SceneArguments& arguments, const scene::Scene& scene)
+{
+    return !scene.lights.empty() && arguments.lights == 0 && arguments.lightList.empty();
+}
+
+float chooseExposure(const SceneArguments& arguments, const scene::Scene& scene, Renderer& renderer,
+                     const scene::Camera& camera)
+{
+    const bool usual = arguments.exposure == ExposureChoice::usual;
+    if (arguments.exposure == ExposureChoice::fixed || (usual && !hasOwnLights(arguments, scene)))
+        return arguments.settings.exposure;
+    const LuminanceHistogram histogram = renderer.meter(camera);
+    if (usual && !needsExposure(histogram))
+        return arguments.settings.exposure;
+    const float exposure = automaticExposure(histogram);
+    spdlog::info("exposure {} (auto)", exposure);
+    return exposure;
+}
+
 RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, const scene::Camera& camera,
                     const gpu::Device& device)
 {

@@ -13,6 +13,14 @@ struct ChosenCamera {
 // sees nothing, which is said. Throws Error when the scene has none of that name.
 ChosenCamera chooseCamera(const SceneArguments& arguments, const scene::Scene& scene);
 
+// Whether the scene is lit by the lights of its file, in units that may be any.
+bool hasOwnLights(const SceneArguments& arguments, const scene::Scene& scene);
+
+// The exposure that the options ask for; where it is chosen here, by what the camera sees, that is said. The
+// renderer's scene is as it is to be shown.
+float chooseExposure(const SceneArguments& arguments, const scene::Scene& scene, Renderer& renderer,
+                     const scene::Camera& camera);
+
 // The head of the statistics.
 RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, const scene::Camera& camera,
                     const gpu::Device& device);

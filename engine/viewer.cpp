@@ -58,6 +58,8 @@ Viewer::Viewer(const ViewArguments& arguments)
       renderers_(std::make_unique<ViewRenderers>(*device_))
 {
     state_.settings = arguments.settings;
+    state_.autoExposure = arguments.exposure == ExposureChoice::automatic;
+    state_.exposureChosen = arguments.exposure != ExposureChoice::usual;
     state_.sides = {ui::Side{arguments.settings.shading, arguments.filter},
                     ui::Side{arguments.rightShading, arguments.rightFilter}};
     state_.split = arguments.split;
@@ -92,6 +94,7 @@ bool Viewer::idle() const
     if (minimised)
         return true;
     return !loader_.busy() && !inspector_.busy() && !frontend_.input->any() &&
+           (!state_.autoExposure || adaptation_.arrived()) &&
            ((renderers_->finished() && !state_.playing) || state_.paused);
 }
 
@@ -118,6 +121,7 @@ void Viewer::frame()
     if (glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) == 0) {
         state_.settings.size = pictureSize(layout);
         play(seconds);
+        expose(seconds);
         render();
         inspect(layout);
         show(layout);
@@ -142,6 +146,26 @@ void Viewer::play(double seconds)
         seconds = state_.step ? kAnimationStep : 0.0;
     played_ = state_.seconds ? played_ + std::min(seconds, 0.25) : 0.0;
     state_.seconds = kAnimationStep * std::floor(played_ / kAnimationStep + 1e-6);
+}
+
+// Eyes adapt to what is seen. A scene with lights of its own is looked at once, to find out whether they
+// must.
+void Viewer::expose(double seconds)
+{
+    if (!renderers_->scene() || !(state_.autoExposure || exposureAsked_) || state_.paused) {
+        adaptation_.reset();
+        return;
+    }
+    if (const auto histogram = renderers_->meter(state_, state_.settings.size)) {
+        if (std::exchange(exposureAsked_, false)) {
+            state_.autoExposure = needsExposure(*histogram);
+            if (!state_.autoExposure)
+                return;
+            spdlog::info("exposure {} (auto)", automaticExposure(*histogram));
+        }
+        adaptation_.aim(automaticExposure(*histogram));
+    }
+    state_.settings.exposure = adaptation_.advance(seconds);
 }
 
 void Viewer::render()

@@ -109,6 +109,9 @@ SceneArguments Viewer::argumentsOf(size_t side) const
         a.lights = 0;
         a.lightList = state_.lights;
     }
+    // What the command would choose by itself depends on the view.
+    const bool chooses = state_.autoExposure || hasOwnLights(a, *renderers_->scene());
+    a.exposure = chooses || state_.exposureChosen ? ExposureChoice::fixed : ExposureChoice::usual;
     return a;
 }
 
@@ -243,6 +246,12 @@ void Viewer::finishLoading()
                              : environment_                  ? "sky"
                                                              : "none";
         environmentName_ = state_.environment;
+        if (!state_.exposureChosen) {
+            state_.settings.exposure = 1.0f;
+            state_.autoExposure = false;
+            exposureAsked_ = hasOwnLights(arguments_, *renderers_->scene());
+        }
+        adaptation_.reset();
         resetView();
     } catch (const Error& e) {
         if (!renderers_->scene())

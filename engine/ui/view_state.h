@@ -47,6 +47,8 @@ struct ViewState {
     std::vector<scene::Light> lights;
     bool lightsEdited = false;
     std::string environment;        // none, sky or a file
+    bool autoExposure = false;      // settings.exposure follows what is seen
+    bool exposureChosen = false;    // by hand or an option: other scenes keep it
     std::optional<size_t> selected; // object
     bool materialTab = false;       // the inspector is looked at
     glm::vec2 cursor{-1.0f};        // in the picture; negative: elsewhere

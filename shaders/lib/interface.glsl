@@ -26,6 +26,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Mor
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Matrices { mat4 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Floats { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Colours { uvec2 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Histogram { uint at[]; };
 
 // Pipelines by what lights their objects. The draw filter is constant 1.
 layout(constant_id = 0) const uint kFeatures = 0u; // kFeature...

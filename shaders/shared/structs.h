@@ -27,6 +27,7 @@ layout(buffer_reference) buffer MorphDeltas;
 layout(buffer_reference) buffer Matrices;
 layout(buffer_reference) buffer Floats;
 layout(buffer_reference) buffer Colours;
+layout(buffer_reference) buffer Histogram;
 #endif
 
 struct Vertex {
@@ -384,6 +385,13 @@ struct DisplayPush {
     float weight; // of the accumulated sum: 1 / samples
     uvec2 size;   // pixels of the source that hold the picture
     uint toneMap; // kToneMap...
+};
+
+// Rows of pixels that a group of meter.comp counts.
+LUMEL_CONST uint kMeterRows = 16u;
+struct MeterPush {
+    LUMEL_ADDRESS(Histogram) histogram; // kMeterBins
+    uvec2 size;                         // pixels of the source that hold the picture
 };
 
 struct ScalePush {

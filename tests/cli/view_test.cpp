@@ -1,4 +1,4 @@
-// What `shot` shows without being told how: which camera, what light beside the lights.
+// What `shot` shows without being told how: which camera, what light beside the lights, what exposure.
 #include "core/image.h"
 #include "inputs.h"
 #include "program.h"
@@ -117,6 +117,97 @@ TEST_F(FirstCamera, ThatIsFlownIntoViewIsKept)
     addMotion(document, folder_ / "square.gltf", 1, {50, 0, 3}, {0, 0, 3});
     writeScene(folder_ / "square.gltf", document);
     EXPECT_EQ(shoot("out.png", {}).err.find("sees nothing"), std::string::npos);
+}
+
+class Exposure : public ShownView {
+protected:
+    void writeLit(const char* type, float intensity)
+    {
+        nlohmann::json document = squareScene(folder_ / "square.gltf");
+        addLight(document, type, intensity);
+        writeScene(folder_ / "square.gltf", document);
+    }
+    // The number in "exposure N (auto)"; empty: nothing of the kind is said.
+    static std::string saidExposure(const Outcome& outcome)
+    {
+        const size_t from = outcome.err.find("exposure "), to = outcome.err.find(" (auto)");
+        return from == std::string::npos || to == std::string::npos
+                   ? ""
+                   : outcome.err.substr(from + 9, to - from - 9);
+    }
+};
+
+TEST_F(Exposure, RealWorldLightsComeOutNeitherWhiteNorBlack)
+{
+    const struct {
+        const char* type;
+        float intensity;
+    } lights[] = {{"directional", 100000.0f}, {"point", 1500.0f}, {"directional", 0.01f}};
+    for (const auto& light : lights) {
+        writeLit(light.type, light.intensity);
+        const Image plain = picture("one.png", {"--exposure", "1"});
+        const float middle = *plain.at(32, 24);
+        EXPECT_TRUE(middle > 0.95f || middle < 0.05f) << middle; // what it is about
+        const Outcome outcome = shoot("auto.png", {"--stats", "s.json"});
+        const std::string said = saidExposure(outcome);
+        ASSERT_FALSE(said.empty()) << outcome.err;
+        const Image seen = readImage(folder_ / "auto.png");
+        EXPECT_GT(*seen.at(32, 24), 0.3f) << light.intensity;
+        EXPECT_LT(*seen.at(32, 24), 0.75f) << light.intensity;
+        // The printed number repeats the picture, and every way of shading says the same one.
+        shoot("again.png", {"--exposure", said});
+        EXPECT_EQ(readText(folder_ / "auto.png"), readText(folder_ / "again.png"));
+        for (const char* shading : {"forward", "reference"})
+            EXPECT_EQ(saidExposure(shoot("a.png", {"--shading", shading, "--samples", "4"})), said);
+        const auto stats = nlohmann::json::parse(readText(folder_ / "s.json"));
+        EXPECT_FLOAT_EQ(stats["frames"][0]["exposure"], std::stof(said));
+        EXPECT_EQ(std::stof(stats["options"]["exposure"].get<std::string>()), std::stof(said));
+    }
+}
+
+TEST_F(Exposure, IsLeftAloneWhereOneWillDo)
+{
+    writeLit("directional", 3.0f);
+    EXPECT_EQ(saidExposure(shoot("usual.png", {})), "");
+    shoot("one.png", {"--exposure", "1"});
+    EXPECT_EQ(readText(folder_ / "usual.png"), readText(folder_ / "one.png"));
+    EXPECT_NE(saidExposure(shoot("auto.png", {"--exposure", "auto"})), ""); // asked for
+    // Lights of the command line are its user's, and a scene without gets none of it.
+    EXPECT_EQ(saidExposure(shoot("sun.png", {"--light", "sun,0,0,-1,1,1,1,100000"})), "");
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    EXPECT_EQ(saidExposure(shoot("sky.png", {"--environment-intensity", "1000"})), "");
+    for (const char* wrong : {"0", "-1", "bright", "1x", "inf", "nan"})
+        expectOneLine(run({"shot", "square.gltf", "-o", "a.png", "--exposure", wrong}), 2, "--exposure");
+}
+
+TEST_F(Exposure, OfAnAnimationIsThatOfItsFirstFrameAndRadianceIsRadiance)
+{
+    writeLit("directional", 100000.0f);
+    const Outcome outcome =
+        shoot("f_%d.png", {"--frames", "3", "--path", "orbit", "--step", "20", "--stats", "s.json"});
+    const auto stats = nlohmann::json::parse(readText(folder_ / "s.json"));
+    for (const auto& frame : stats["frames"])
+        EXPECT_FLOAT_EQ(frame["exposure"], std::stof(saidExposure(outcome)));
+    const Image automatic = picture("a.exr", {}), plain = picture("b.exr", {"--exposure", "1"});
+    EXPECT_EQ(automatic.pixels, plain.pixels);
+    EXPECT_GT(largest(automatic), 1000.0f);
+}
+
+TEST_F(Exposure, OfABenchIsOneForAllItsRuns)
+{
+    writeLit("directional", 100000.0f);
+    const Outcome outcome =
+        run({"bench",     "square.gltf", "--size", "64x48", "--shading", "tsl,forward", "--frames",      "2",
+             "--warmup",  "2",           "--path", "orbit", "--step",    "20",          "--error-every", "1",
+             "--samples", "16",          "--json", "b.json"});
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.err;
+    const auto runs = nlohmann::json::parse(readText(folder_ / "b.json"))["runs"];
+    const float exposure = std::stof(saidExposure(outcome));
+    for (const auto& run : runs)
+        for (const auto& frame : run["frames"]) {
+            EXPECT_FLOAT_EQ(frame["exposure"], exposure);
+            EXPECT_LT(frame["error_rmse"], 0.05);
+        }
 }
 
 } // namespace
