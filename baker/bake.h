@@ -54,6 +54,9 @@ struct Options {
     // seen as such. An 8192 x 8192 map reduced by 3 becomes a 1024 x 1024 chain whose level 0 is fitted.
     int reduce = 0;
     Reconstruction reconstruction = Reconstruction::box;
+    // Closed forms state the mean Ks, which keeps the energy of a lobe of their shape. With this they get the
+    // Ks of least error instead, <G, f> / <f, f> (the fit always does): what they are judged by.
+    bool bestKs = false;
 };
 
 struct Level {
@@ -83,8 +86,8 @@ struct LevelSink {
 };
 
 // Bakes all levels. Throws Error for unusable maps (none given, both height and normal, zero size, NaN)
-// and Interrupted after Ctrl-C. `progress` counts level-0 texels times the levels above 0 that cover
-// them, see progressUnits().
+// and Interrupted after Ctrl-C. `progress` counts progressUnits(): as many units as level 0 has texels for
+// each level above it.
 ReflectanceMips bake(const Maps& maps, const Options& options, Progress* progress = nullptr);
 size_t progressUnits(const Maps& maps);
 // The same without keeping the levels, which are the bulk of a large chain. Returns the metadata only.
@@ -103,5 +106,8 @@ ReflectanceMips bakeExr(const std::filesystem::path& file, const Maps& maps, con
                         bool asFloat, Progress* progress);
 // Throws Error when the file is not such a chain, complete and finite.
 ReflectanceMips readExr(const std::filesystem::path& file);
+// lumel:source of a baked file that readExr() would accept by its header, else empty.
+// `isFloat`, when given, is told whether it stores single precision.
+std::string bakedSource(const std::filesystem::path& file, bool* isFloat = nullptr);
 
 } // namespace lumel::baker

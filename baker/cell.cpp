@@ -89,6 +89,20 @@ size_t Patch::appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, flo
                           int channels) const
 {
     const float least = kNegligible * peak;
+    if (channels == 1) { // most maps: one test a point
+        float *x = to.x.data(), *y = to.y.data(), *area = to.area.data(), *sum = sums[0].data();
+        for (int j = block.y0; j < block.y1; ++j) {
+            const float* row = g.data() + size_t(j) * size_t(width);
+            for (int i = block.x0; i < block.x1; ++i) {
+                x[end] = float(x0 + i);
+                y[end] = float(y0 + j);
+                area[end] = 1.0f;
+                sum[end] = row[i];
+                end += row[i] > least;
+            }
+        }
+        return end;
+    }
     for (int j = block.y0; j < block.y1; ++j) {
         size_t k = size_t(j) * size_t(width) + size_t(block.x0);
         for (int i = block.x0; i < block.x1; ++i, ++k) {

@@ -18,7 +18,8 @@ constexpr int kBlock = 32; // level-0 texels that are worked on at once, on each
 Chain::Chain(const Maps& maps, const Options& options, Progress* progress)
     : maps_(maps), options_(options), progress_(progress), source_(maps)
 {
-    if (options.method == Method::height)
+    // For that method, and as a guess that no fit may lose to.
+    if (options.method == Method::height || (options.method == Method::fit && !maps.height.empty()))
         heights_ = std::make_unique<HeightMips>(maps, source_.width(), source_.height());
 }
 
@@ -41,6 +42,10 @@ void Chain::run(LevelSink& sink)
         throw Error(fmt::format("reduce {}: a {} x {} map has {} levels; drop fewer", reduce, source_.width(),
                                 source_.height(), count));
     const int first = std::max(1, reduce);
+    done_ = std::vector<std::atomic<size_t>>(size_t(count));
+    for (int number = 1; number < first; ++number) // dropped
+        advance(number,
+                size_t(levelSize(source_.width(), number)) * size_t(levelSize(source_.height(), number)));
     allocate(levels_, first);
     if (options_.method == Method::fit && options_.model == Model::blinnPhong)
         allocate(shadows_, first);
@@ -60,8 +65,6 @@ void Chain::run(LevelSink& sink)
     }
     write(sink, first, coarse);
     for (int number = coarse; number < count; ++number) {
-        if (heights_)
-            heights_->setLevel(levels_[size_t(number)].width, levels_[size_t(number)].height);
         cells->solveLevel(number);
         write(sink, number, number + 1);
     }
@@ -102,15 +105,21 @@ void Chain::writeBase(LevelSink& sink) const
                 }
             }
         });
-        advance(0); // Ctrl-C
+        if (progress_)
+            progress_->advance(0); // Ctrl-C
         sink.rows(0, source_.width(), source_.height(), from, to - from, band.data());
     }
 }
 
-void Chain::advance(size_t units) const
+void Chain::advance(int number, size_t texels)
 {
-    if (progress_)
-        progress_->advance(units);
+    if (!progress_)
+        return;
+    const size_t whole = size_t(source_.width()) * size_t(source_.height());
+    const size_t count =
+        size_t(levelSize(source_.width(), number)) * size_t(levelSize(source_.height(), number));
+    const size_t before = done_[size_t(number)].fetch_add(texels);
+    progress_->advance(whole * (before + texels) / count - whole * before / count);
 }
 
 TexelTask Chain::makeTask(int number, int x, int y, const Cell& cell)
@@ -125,10 +134,14 @@ TexelTask Chain::makeTask(int number, int x, int y, const Cell& cell)
         task.shadow = shadows_[size_t(number)].texels.data() + offset;
     task.uniform = cell.uniform && options_.method == Method::fit;
     task.fixed = task.uniform || options_.method != Method::fit;
+    task.heights = heights_.get();
+    task.level = number;
+    task.x = x;
+    task.y = y;
     if (task.fixed) {
-        glm::vec3 normal(0.0f, 0.0f, 1.0f);
-        if (heights_)
-            normal = heights_->normal(x, y);
+        const glm::vec3 normal = options_.method == Method::height && !task.uniform
+                                     ? heights_->normal(number, x, y)
+                                     : glm::vec3(0.0f, 0.0f, 1.0f);
         task.shape = task.uniform ? cell.shape : closedFormShape(options_.method, task.mean, normal);
         return task;
     }
@@ -152,8 +165,6 @@ TexelTask Chain::makeTask(int number, int x, int y, const Cell& cell)
 void Chain::fineLevel(int number)
 {
     const Level& level = levels_[size_t(number)];
-    if (heights_)
-        heights_->setLevel(level.width, level.height);
     const int tile = std::max(1, kBlock >> number);
     const int across = (level.width + tile - 1) / tile, down = (level.height + tile - 1) / tile;
     tbb::parallel_for(tbb::blocked_range<int>(0, across * down), [&](const auto& range) {
@@ -167,7 +178,7 @@ void Chain::fineLevel(int number)
 bool Chain::nests(CoarseCells& cells) const
 {
     const int texels = 1 << cells.firstLevel();
-    return cells.sharedNodes() && !heights_ && options_.reconstruction == Reconstruction::box &&
+    return cells.sharedNodes() && options_.reconstruction == Reconstruction::box &&
            source_.width() % texels == 0 && source_.height() % texels == 0;
 }
 

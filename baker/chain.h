@@ -3,6 +3,7 @@
 #include "bake.h"
 #include "closed_form.h"
 #include "source.h"
+#include <atomic>
 #include <memory>
 
 namespace lumel::baker {
@@ -22,7 +23,8 @@ private:
     void fineLevel(int number);
     bool nests(class CoarseCells& cells) const;
     void nestedLevels(class CoarseCells& cells);
-    void advance(size_t units) const;
+    // Reports so many more texels of a level; each level counts as much as level 0 has texels.
+    void advance(int number, size_t texels);
     struct TexelTask makeTask(int number, int x, int y, const struct Cell& cell);
 
     const Maps& maps_;
@@ -31,7 +33,8 @@ private:
     Source source_;
     std::unique_ptr<HeightMips> heights_;
     std::vector<Level> levels_;
-    std::vector<Level> shadows_; // anisotropic fits beside an isotropic chain
+    std::vector<Level> shadows_;            // anisotropic fits beside an isotropic chain
+    std::vector<std::atomic<size_t>> done_; // texels of each level, for progress
 
     friend class FineTile;
     friend class CoarseCells;

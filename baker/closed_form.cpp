@@ -2,8 +2,33 @@
 #include "core/error.h"
 #include "footprint.h"
 #include "normals.h"
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 namespace lumel::baker {
+namespace {
+
+// The first channel, each texel the mean of the area that it covers.
+Image averaged(const Image& in, int width, int height)
+{
+    Image out(width, height, 1);
+    tbb::parallel_for(tbb::blocked_range<int>(0, height, 16), [&](const auto& rows) {
+        for (int y = rows.begin(); y < rows.end(); ++y) {
+            const Footprint fy(y, height, in.height);
+            for (int x = 0; x < width; ++x) {
+                const Footprint fx(x, width, in.width);
+                double sum = 0.0;
+                for (int j = fy.first; j < fy.last; ++j)
+                    for (int i = fx.first; i < fx.last; ++i)
+                        sum += double(*in.at(i, j)) * fx.weight(i) * fy.weight(j);
+                *out.at(x, y) = float(sum / ((fx.end - fx.begin) * (fy.end - fy.begin)));
+            }
+        }
+    });
+    return out;
+}
+
+} // namespace
 
 Shape closedFormShape(Method method, const Moments& mean, glm::vec3 mapNormal)
 {
@@ -25,39 +50,30 @@ Shape closedFormShape(Method method, const Moments& mean, glm::vec3 mapNormal)
     return shape;
 }
 
-HeightMips::HeightMips(const Maps& maps, int width, int height)
-    : maps_(maps), fullWidth_(width), fullHeight_(height)
+HeightMips::HeightMips(const Maps& maps, int width, int height) : maps_(maps), width_(width), height_(height)
 {
     if (maps.height.empty())
         throw Error("method height needs a height map; a normal map holds no heights");
-}
-
-void HeightMips::setLevel(int width, int height)
-{
-    // Box-filter the height map at its own resolution; where the level is finer than the map, keep it.
-    const Image& map = maps_.height;
-    const int w = std::min(width, map.width), h = std::min(height, map.height);
-    level_ = Image(w, h, 1);
-    for (int y = 0; y < h; ++y) {
-        const Footprint fy(y, h, map.height);
-        for (int x = 0; x < w; ++x) {
-            const Footprint fx(x, w, map.width);
-            double sum = 0.0;
-            for (int j = fy.first; j < fy.last; ++j)
-                for (int i = fx.first; i < fx.last; ++i)
-                    sum += double(*map.at(i, j)) * fx.weight(i) * fy.weight(j);
-            *level_.at(x, y) = float(sum / ((fx.end - fx.begin) * (fy.end - fy.begin)));
-        }
+    const int count = levelCount(width, height);
+    for (int level = 1; level < count; ++level) {
+        // Averages of the map's own texels: where the level is finer than the map, they are the map's.
+        const Image& map = maps.height;
+        const int w = std::min(levelSize(width, level), map.width);
+        const int h = std::min(levelSize(height, level), map.height);
+        // Averages of averages where texels nest, which costs less.
+        const Image* finer = levels_.empty() ? &map : &levels_.back();
+        if (finer->width % w != 0 || finer->height % h != 0)
+            finer = &map;
+        levels_.push_back(averaged(*finer, w, h));
     }
-    fullWidth_ = width;
-    fullHeight_ = height;
 }
 
-glm::vec3 HeightMips::normal(int x, int y) const
+glm::vec3 HeightMips::normal(int level, int x, int y) const
 {
-    const int i = std::min(int((x + 0.5) * level_.width / fullWidth_), level_.width - 1);
-    const int j = std::min(int((y + 0.5) * level_.height / fullHeight_), level_.height - 1);
-    return normalFromHeight(level_, maps_.heightScale, maps_.wrap, i, j);
+    const Image& heights = levels_[size_t(level - 1)];
+    const int i = std::min(int((x + 0.5) * heights.width / levelSize(width_, level)), heights.width - 1);
+    const int j = std::min(int((y + 0.5) * heights.height / levelSize(height_, level)), heights.height - 1);
+    return normalFromHeight(heights, maps_.heightScale, maps_.wrap, i, j);
 }
 
 } // namespace lumel::baker

@@ -211,7 +211,7 @@ void CoarseCells::solveLevel(int number)
             for (int t = batch * kBatch; t < end; ++t)
                 addTexel(number, t % level.width, t / level.width, solver);
             solver.solve();
-            chain_.advance(size_t(end - batch * kBatch) << (2 * number));
+            chain_.advance(number, size_t(end - batch * kBatch));
         }
     });
 }

@@ -2,7 +2,6 @@
 // checked completely when read, because it also serves as the bake cache.
 #include "bake.h"
 #include "core/error.h"
-#include "core/exr_header.h"
 #include "core/file.h"
 #include <OpenImageIO/imageio.h>
 #include <bit>
@@ -147,18 +146,25 @@ void checkTexels(const Level& level, size_t number, const std::string& name)
 }
 
 // Where each of our channels sits in the file, which may order them differently.
-std::array<int, kChannels> channelIndices(const OIIO::ImageSpec& spec, const std::string& name)
+std::array<size_t, kChannels> channelIndices(const std::vector<std::string>& names, const std::string& file)
 {
-    std::array<int, kChannels> indices{};
-    if (spec.nchannels != kChannels)
-        reject(name,
-               fmt::format("{} channels instead of {}: no baked reflectance", spec.nchannels, +kChannels));
-    for (int c = 0; c < kChannels; ++c) {
-        indices[size_t(c)] = spec.channelindex(kChannelNames[c]);
-        if (indices[size_t(c)] < 0)
-            reject(name, fmt::format("channel {} is missing: no baked reflectance", kChannelNames[c]));
+    if (names.size() != kChannels)
+        reject(file,
+               fmt::format("{} channels instead of {}: no baked reflectance", names.size(), +kChannels));
+    std::array<size_t, kChannels> indices{};
+    for (size_t c = 0; c < kChannels; ++c) {
+        const auto found = std::find(names.begin(), names.end(), kChannelNames[c]);
+        if (found == names.end())
+            reject(file, fmt::format("channel {} is missing: no baked reflectance", kChannelNames[c]));
+        indices[c] = size_t(found - names.begin());
     }
     return indices;
+}
+
+std::string attribute(const ImageFile& file, const char* name)
+{
+    const auto found = file.attributes.find(name);
+    return found == file.attributes.end() ? std::string() : found->second;
 }
 
 } // namespace
@@ -192,48 +198,39 @@ ReflectanceMips bakeExr(const std::filesystem::path& file, const Maps& maps, con
 ReflectanceMips readExr(const std::filesystem::path& file)
 {
     const std::string name = file.string();
-    if (std::filesystem::is_regular_file(file)) {
-        std::ifstream stream(file, std::ios::binary);
-        checkExrHeader(stream, std::filesystem::file_size(file), name);
-    }
-    auto input = std::filesystem::is_regular_file(file) ? OIIO::ImageInput::open(name) : nullptr;
-    if (!input) {
-        (void)OIIO::geterror();
-        reject(name, "missing or not an OpenEXR file");
-    }
+    ImageFile read = readExrLevels(file, kMaxTexelsPerByte);
+    const auto indices = channelIndices(read.channelNames, name);
     ReflectanceMips mips;
-    const OIIO::ImageSpec first = input->spec();
-    if (first.width < 1 || first.height < 1)
-        reject(name, "impossible size");
-    const size_t bytes = std::filesystem::file_size(file);
-    checkImageSize(size_t(first.width), size_t(first.height), 1, bytes, name);
-    if (size_t(first.width) * size_t(first.height) / kMaxTexelsPerByte > bytes)
-        reject(name, fmt::format("{} x {} texels cannot be in {} bytes", first.width, first.height, bytes));
-    const auto indices = channelIndices(first, name);
-    mips.model = first.get_string_attribute("lumel:model");
-    mips.method = first.get_string_attribute("lumel:method");
-    mips.version = first.get_string_attribute("lumel:version");
-    mips.source = first.get_string_attribute("lumel:source");
+    mips.model = attribute(read, "lumel:model");
+    mips.method = attribute(read, "lumel:method");
+    mips.version = attribute(read, "lumel:version");
+    mips.source = attribute(read, "lumel:source");
     if (mips.version != kVersion)
         reject(name, fmt::format("baked by version '{}' instead of '{}'", mips.version, kVersion));
-    int width = first.width, height = first.height;
-    for (int number = 0;; ++number) {
-        if (!input->seek_subimage(0, number) || input->spec().width != width ||
-            input->spec().height != height)
-            reject(name, fmt::format("level {} of {} x {} texels is missing", number, width, height));
-        std::vector<float> raw(size_t(width) * size_t(height) * kChannels);
-        if (!input->read_image(0, number, 0, kChannels, OIIO::TypeDesc::FLOAT, raw.data()))
-            reject(name, fmt::format("level {} is damaged ({})", number, firstLine(input->geterror())));
-        Level level{width, height, std::vector<float>(raw.size())};
-        for (size_t i = 0; i < raw.size(); i += kChannels)
+    for (Image& image : read.levels) {
+        Level level{image.width, image.height, std::vector<float>(image.pixels.size())};
+        for (size_t i = 0; i < image.pixels.size(); i += kChannels)
             for (size_t c = 0; c < kChannels; ++c)
-                level.texels[i + c] = raw[i + size_t(indices[c])];
-        checkTexels(level, size_t(number), name);
+                level.texels[i + c] = image.pixels[i + indices[c]];
+        image = Image();
+        checkTexels(level, mips.levels.size(), name);
         mips.levels.push_back(std::move(level));
-        if (width == 1 && height == 1)
-            return mips;
-        width = std::max(1, width / 2);
-        height = std::max(1, height / 2);
+    }
+    return mips;
+}
+
+std::string bakedSource(const std::filesystem::path& file, bool* isFloat)
+{
+    try {
+        const ImageFile header = readExrHeader(file);
+        channelIndices(header.channelNames, file.string());
+        if (attribute(header, "lumel:version") != kVersion)
+            return "";
+        if (isFloat)
+            *isFloat = header.isFloat;
+        return attribute(header, "lumel:source");
+    } catch (const Error&) {
+        return "";
     }
 }
 

@@ -144,7 +144,7 @@ void FineTile::run(int number, int x0, int y0, int size)
         for (int x = x0; x < x1; ++x)
             addTexel(number, x, y, single_);
     solver_.solve();
-    chain_.advance((size_t(x1 - x0) * size_t(y1 - y0)) << (2 * number));
+    chain_.advance(number, size_t(x1 - x0) * size_t(y1 - y0));
 }
 
 void FineTile::runNested(int top, int x0, int y0, int size, CoarseCells& cells)
@@ -170,7 +170,7 @@ void FineTile::runNested(int top, int x0, int y0, int size, CoarseCells& cells)
                     fill(number, x, y, true, cells.at(x, y));
         if (number < top)
             solver_.solve();
-        chain_.advance(number < top ? i << (2 * number) : 0);
+        chain_.advance(number, number < top ? i : 0);
         std::swap(finer_, current_);
         haveFiner_ = true;
     }

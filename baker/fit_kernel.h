@@ -47,6 +47,15 @@ struct FitJob {
     float norm = 1.0f;         // <f, f> there (minimise only)
 };
 
+// A lobe to be judged as it is, without a search.
+struct Trial {
+    NodeList nodes;      // weight = area * G
+    float energy;        // <G, G>
+    float nx, ny;        // |N.xy| < 1
+    float pxx, pxy, pyy; // P in the normal's frame
+    float error, norm;   // found: E / <G, G> with the best Ks, and <f, f>
+};
+
 struct SearchSettings {
     bool isotropic = true;   // l1 = l2, l3 = 0
     int maxEvaluations = 40; // 1: only evaluates the starts
@@ -70,6 +79,8 @@ struct Kernels {
     void (*minimise)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
     // The same against the mixtures; 7 * kMaxLanes floats for each term.
     void (*minimiseMixtures)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
+    // The errors of lobes: what one evaluation of a search costs without its gradient, or less.
+    void (*judge)(Trial* trials, int count);
     // <G, f> and <f, f> of one job at its unknowns, and the gradient of its error in the first five.
     void (*evaluate)(const FitJob& job, float* overlap, float* norm, float* gradient, float* scratch);
 };

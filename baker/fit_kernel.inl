@@ -11,6 +11,8 @@ namespace {
 
 #include "fit_exact.inl"
 
+#include "fit_judge.inl"
+
 #include "fit_mixture.inl"
 
 #include "fit_search.inl"
@@ -18,6 +20,6 @@ namespace {
 
 extern const Kernels LUMEL_KERNELS;
 const Kernels LUMEL_KERNELS = {LUMEL_NAME, W, average, shapeOnLattice, toHalfVectors,
-                               minimise, minimiseMixtures, evaluate};
+                               minimise, minimiseMixtures, judge, evaluate};
 
 } // namespace lumel::baker

@@ -2,7 +2,6 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "report.h"
-#include <OpenImageIO/imageio.h>
 #include <chrono>
 #include <fmt/format.h>
 #include <map>
@@ -149,7 +148,7 @@ public:
         for (const fs::path& file : reports)
             checkWritable(file);
         checkWritable(output);
-        const size_t units = progressUnits(maps) + (reports.empty() ? 0 : measureUnits(maps, options));
+        const size_t units = progressUnits(maps) + (reports.empty() ? 0 : measureUnits(maps));
         Progress progress(whole, share, units);
         const auto start = std::chrono::steady_clock::now();
         if (reports.empty()) {
@@ -178,21 +177,6 @@ Json parse(const fs::path& manifest)
 }
 
 } // namespace
-
-std::string bakedSource(const fs::path& file, bool* isFloat)
-{
-    auto input = fs::is_regular_file(file) ? OIIO::ImageInput::open(file.string()) : nullptr;
-    if (!input) {
-        (void)OIIO::geterror();
-        return "";
-    }
-    const OIIO::ImageSpec& spec = input->spec();
-    if (spec.get_string_attribute("lumel:version") != kVersion || spec.nchannels != kChannels)
-        return "";
-    if (isFloat)
-        *isFloat = spec.format == OIIO::TypeDesc::FLOAT;
-    return spec.get_string_attribute("lumel:source");
-}
 
 ManifestResult bakeManifest(const fs::path& manifest, const Options& defaults, bool print)
 {

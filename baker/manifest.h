@@ -24,8 +24,4 @@ struct ManifestResult {
 ManifestResult bakeManifest(const std::filesystem::path& manifest, const Options& defaults,
                             bool print = false);
 
-// lumel:source of a baked file that readExr() would accept by its header, else empty.
-// `isFloat`, when given, is told whether it stores single precision.
-std::string bakedSource(const std::filesystem::path& file, bool* isFloat = nullptr);
-
 } // namespace lumel::baker

@@ -46,6 +46,11 @@ void compareLookups(const Maps& maps, const Options& options, const ReflectanceM
     }
 }
 
+nlohmann::ordered_json figuresJson(const ErrorFigures& figures)
+{
+    return {{"mean", figures.mean}, {"p95", figures.p95}, {"worst", figures.worst}};
+}
+
 } // namespace
 
 Report makeReport(const Maps& maps, const Options& options, const ReflectanceMips& mips, double seconds,
@@ -72,7 +77,7 @@ std::string reportJson(const Report& report)
     using json = nlohmann::ordered_json;
     const Measurement& measured = report.measured;
     json document;
-    document["schema"] = 1;
+    document["schema"] = 2;
     document["map"] = report.name;
     document["size"] = {measured.width, measured.height};
     document["model"] = report.model;
@@ -90,12 +95,13 @@ std::string reportJson(const Report& report)
         json methods = json::array();
         for (size_t m = 0; m < level.methods.size(); ++m) {
             const MethodErrors& e = level.methods[m];
-            const ErrorFigures& b = brute.figures[m];
             methods.push_back({{"method", e.method},
+                               {"ks", m == 0 && measured.meanKs ? "mean" : "best"},
                                {"mean", e.mean},
                                {"p95", e.p95},
                                {"worst", e.worst},
-                               {"measured", {{"mean", b.mean}, {"p95", b.p95}, {"worst", b.worst}}}});
+                               {"measured", figuresJson(brute.figures[m])},
+                               {"diffuse", figuresJson(brute.diffuse[m])}});
         }
         json entry = {{"level", level.level},
                       {"width", level.width},

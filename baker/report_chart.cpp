@@ -73,8 +73,9 @@ std::string powerTicks(const Plot& plot, const Landscape& land)
 
 } // namespace
 
-const char* methodColour(const std::string& method)
+const char* methodColour(const std::string& label)
 {
+    const std::string method = label.substr(0, label.find(','));
     if (method == "fit")
         return "#ffc94d";
     if (method == "lean")

@@ -4,7 +4,7 @@
 
 namespace lumel::baker {
 
-const char* methodColour(const std::string& method);
+const char* methodColour(const std::string& label);
 std::string formatError(double error);
 // Mean E against level, one line a method, logarithmic.
 std::string errorChart(const Measurement& report);

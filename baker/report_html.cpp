@@ -104,7 +104,8 @@ std::string cards(const Report& report)
     return html + "</div>";
 }
 
-std::string table(const Measurement& report)
+// Of the specular or of the diffuse term.
+std::string table(const Measurement& report, const std::vector<ErrorFigures> MeasuredLevel::*figures)
 {
     std::string html = "<div class='panel'><table><tr><th>Level</th><th>Size</th>";
     for (const std::string& method : report.methods)
@@ -113,8 +114,8 @@ std::string table(const Measurement& report)
     for (const MeasuredLevel& level : report.levels) {
         html += fmt::format("<tr><td><b>{}</b></td><td>{} × {}<small>{} measured</small></td>", level.above,
                             level.width, level.height, level.sample.size());
-        for (size_t m = 0; m < level.figures.size(); ++m) {
-            const ErrorFigures& e = level.figures[m];
+        for (size_t m = 0; m < (level.*figures).size(); ++m) {
+            const ErrorFigures& e = (level.*figures)[m];
             html += fmt::format("<td{}><b>{}</b><small>{} · {}</small></td>", m == 0 ? " class='first'" : "",
                                 formatError(e.mean), formatError(e.p95), formatError(e.worst));
         }
@@ -200,9 +201,10 @@ std::string explanation(const Measurement& report)
 {
     return fmt::format(
         "E is the integral of (G − F)² over the disc of half vectors divided by that of G²: G the exact "
-        "average of the level-0 lobes under a texel, F the lobe that a method stores for it. It is measured "
-        "by "
-        "brute force: all lobes under a texel are summed on a grid of {} × {} points over the disc, {:.2f} "
+        "average of the level-0 lobes under a texel, F the lobe that a method stores for it; closed forms "
+        "are "
+        "given the Ks that serves them best, by projection of G on their lobe. It is measured by brute "
+        "force: all lobes under a texel are summed on a grid of {} × {} points over the disc, {:.2f} "
         "standard deviations of the narrowest lobes apart; on every texel of levels with at most {}, else on "
         "{} at fixed pseudo-random places.",
         report.gridSide, report.gridSide, 2.0 / report.gridSide / report.narrowestDeviation, kReportTexels,
@@ -224,7 +226,12 @@ std::string reportHtml(const Report& report)
     if (report.measured.box)
         html += " What the baker itself states of what it baked differs from these means by at most " +
                 formatError(statedDifference(report)) + " where every texel is measured.";
-    html += "</p>" + table(report.measured) + lookups(report);
+    html += "</p>" + table(report.measured, &MeasuredLevel::figures);
+    html +=
+        "<h2>Diffuse</h2><p>The same figures of the diffuse term, Kd (N·l)₊ of a stored texel against the "
+        "average of the texels under it, squared and relative, over the hemisphere of lights. Normals that "
+        "face away from a light cut their share off; one normal cannot.</p>" +
+        table(report.measured, &MeasuredLevel::diffuse) + lookups(report);
     html += "<h2>Texels</h2><p>The best, the median and the worst measured texel of each level by the first "
             "method's error, on the disc of half vectors seen from above (rings at sin θ = ¼, ½, ¾, 1). The "
             "pictures of a row share one scale and one part of the disc. Last: log(1 + E) over power and Ks, "

@@ -1,6 +1,6 @@
 #include "report_measure.h"
 #include "footprint.h"
-#include "report_average.h"
+#include "report_diffuse.h"
 #include "report_landscape.h"
 #include "solver.h"
 #include <numeric>
@@ -21,12 +21,12 @@ constexpr Named kClosedForms[] = {{Method::lean, "lean"},
                                   {Method::height, "height"},
                                   {Method::flat, "flat"}};
 
-// The closed forms beside what was baked. A normal map holds no heights to average.
-std::vector<Named> baselines(const Maps& maps, Method baked)
+// The closed forms to compare with. A normal map holds no heights to average.
+std::vector<Named> baselines(const Maps& maps)
 {
     std::vector<Named> list;
     for (const Named& form : kClosedForms)
-        if (form.method != baked && !(form.method == Method::height && maps.height.width == 0))
+        if (form.method != Method::height || maps.height.width > 0)
             list.push_back(form);
     return list;
 }
@@ -34,7 +34,11 @@ std::vector<Named> baselines(const Maps& maps, Method baked)
 StoredLobe storedLobe(const Level& level, int x, int y)
 {
     const float* t = level.at(x, y);
-    return {{t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]}, luminance({t[kKsR], t[kKsG], t[kKsB]}), 0.0};
+    return {{t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]},
+            luminance({t[kKsR], t[kKsG], t[kKsB]}),
+            0.0,
+            luminance({t[kKdR], t[kKdG], t[kKdB]}),
+            0.0};
 }
 
 // At most kReportTexels texels: one of each run of equally many, at a pseudo-random place in it, so that
@@ -69,7 +73,7 @@ public:
     Meter(const Maps& maps, const Options& options, const ReflectanceMips& baked, const SeeChain& seen,
           Progress* progress)
         : maps_(maps), options_(options), baked_(baked), seen_(seen), progress_(progress), source_(maps),
-          baselines_(baselines(maps, options.method))
+          baselines_(baselines(maps))
     {
     }
 
@@ -83,12 +87,14 @@ public:
         result_.narrowestDeviation = narrow.usual;
         result_.width = source_.width();
         result_.height = source_.height();
-        result_.methods = {baked_.method};
+        result_.meanKs = options_.method != Method::fit && !options_.bestKs;
+        result_.methods = {baked_.method + (result_.meanKs ? ", mean Ks" : "")};
         collect();
         const Averages averages(source_, baked_.levels, *grid, kReportTexels);
+        const Averages diffuse(source_, baked_.levels, lights_.size(), lights_.adder(), kReportTexels);
         advance(progressUnits(maps_));
         for (MeasuredLevel& level : result_.levels)
-            measureLevel(averages, level, texels_[size_t(level.number)]);
+            measureLevel(averages, diffuse, level, texels_[size_t(level.number)]);
         advance(progressUnits(maps_));
         return std::move(result_);
     }
@@ -109,7 +115,7 @@ private:
             if (level.width == source_.width() && level.height == source_.height())
                 continue; // the input itself
             result_.levels.push_back(
-                {int(l), int(l) + options_.reduce, level.width, level.height, sampleOf(level), {}, {}});
+                {int(l), int(l) + options_.reduce, level.width, level.height, sampleOf(level), {}, {}, {}});
             for (const int i : result_.levels.back().sample)
                 texels_[l].push_back({i % level.width, i / level.width, {}});
         }
@@ -122,6 +128,7 @@ private:
         for (const Named& form : baselines_) {
             Options options = options_;
             options.method = form.method;
+            options.bestKs = true;
             const ReflectanceMips chain = bake(maps_, options, progress_);
             store(chain.levels);
             if (seen_)
@@ -142,23 +149,36 @@ private:
         }
     }
 
-    void measureLevel(const Averages& averages, MeasuredLevel& level,
+    void measureLevel(const Averages& averages, const Averages& diffuse, MeasuredLevel& level,
                       std::vector<MeasuredTexel>& texels) const
     {
         tbb::parallel_for(tbb::blocked_range<size_t>(0, texels.size()), [&](const auto& range) {
-            std::vector<float> g(grid_->size()), f;
+            std::vector<float> g(grid_->size()), f, matte(lights_.size());
             for (size_t i = range.begin(); i < range.end(); ++i) {
                 advance(0); // Ctrl-C
                 averages.get(size_t(level.number), texels[i].x, texels[i].y, g.data());
                 measureTexel(g, f, texels[i]);
+                diffuse.get(size_t(level.number), texels[i].x, texels[i].y, matte.data());
+                for (StoredLobe& lobe : texels[i].lobes)
+                    lobe.diffuseError = diffuseError(lights_, matte, lobe.shape, lobe.kd);
             }
         });
         for (size_t m = 0; m < result_.methods.size(); ++m) {
-            std::vector<double> errors;
-            for (const MeasuredTexel& texel : texels)
+            std::vector<double> errors, diffuseErrors;
+            for (const MeasuredTexel& texel : texels) {
                 errors.push_back(texel.lobes[m].error);
+                diffuseErrors.push_back(texel.lobes[m].diffuseError);
+            }
             level.figures.push_back(figuresOf(std::move(errors)));
+            level.diffuse.push_back(figuresOf(std::move(diffuseErrors)));
         }
+        chooseExhibits(averages, level, texels);
+    }
+
+    // The best, the median and the worst texel by the first method's error.
+    void chooseExhibits(const Averages& averages, MeasuredLevel& level,
+                        const std::vector<MeasuredTexel>& texels) const
+    {
         std::vector<size_t> order(texels.size());
         std::iota(order.begin(), order.end(), size_t(0));
         std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
@@ -212,13 +232,14 @@ private:
     Source source_;
     std::vector<Named> baselines_;
     const DiscGrid* grid_ = nullptr;
+    const LightGrid lights_;
     Measurement result_;
     std::vector<std::vector<MeasuredTexel>> texels_; // [level]
 };
 
-size_t measureUnits(const Maps& maps, const Options& options)
+size_t measureUnits(const Maps& maps)
 {
-    return (baselines(maps, options.method).size() + 2) * progressUnits(maps);
+    return (baselines(maps).size() + 2) * progressUnits(maps);
 }
 
 Measurement measure(const Maps& maps, const Options& options, const ReflectanceMips& baked,

@@ -16,7 +16,9 @@ inline constexpr int kReportTexels = 256; // most texels measured on a level
 struct StoredLobe {
     Shape shape;
     double ks = 0.0;
-    double error = 0.0; // E: integral of (G - F)^2 over the disc / integral of G^2
+    double error = 0.0;        // E: integral of (G - F)^2 over the disc / integral of G^2
+    double kd = 0.0;           // luminance
+    double diffuseError = 0.0; // see report_diffuse.h
 };
 
 struct MeasuredTexel {
@@ -56,6 +58,7 @@ struct MeasuredLevel {
     int width = 0, height = 0;
     std::vector<int> sample;           // texels measured: y * width + x
     std::vector<ErrorFigures> figures; // one a method
+    std::vector<ErrorFigures> diffuse; // of the diffuse term
     std::vector<Exhibit> exhibits;     // best, median, worst; fewer on the smallest levels
 };
 
@@ -63,18 +66,20 @@ struct Measurement {
     int width = 0, height = 0;        // of the maps
     int threads = 0;                  // used
     bool box = true;                  // fitted for the averages over texels that are measured here
-    std::vector<std::string> methods; // [0] is what was baked; then the closed forms
+    std::vector<std::string> methods; // [0] is what was baked; then the closed forms, with their best Ks
+    bool meanKs = false;              // what was baked is a closed form that states its mean Ks
     int gridSide = 0;                 // points a side of the grid that E is summed on
     double narrowestDeviation = 0.0;  // of the level-0 lobes on the disc, all but a hundredth
     std::vector<MeasuredLevel> levels;
     std::shared_ptr<const DiscGrid> grid;
 };
 
-// Measures `baked`, the result of bake(maps, options), and every closed form that these maps allow; each
-// closed form's chain is shown to `seen` once. `progress` counts measureUnits(maps, options).
+// Measures `baked`, the result of bake(maps, options), and every closed form that these maps allow, given the
+// Ks that serves it best; each
+// closed form's chain is shown to `seen` once. `progress` counts measureUnits(maps).
 using SeeChain = std::function<void(const ReflectanceMips&)>;
 Measurement measure(const Maps& maps, const Options& options, const ReflectanceMips& baked,
                     const SeeChain& seen = {}, Progress* progress = nullptr);
-size_t measureUnits(const Maps& maps, const Options& options);
+size_t measureUnits(const Maps& maps);
 
 } // namespace lumel::baker

@@ -9,10 +9,8 @@ namespace {
 
 // Below this error the average is one bump and has one minimum: all starts end there.
 constexpr float kSettledError = 0.03f;
-// Above this error a closed form may lie in a better minimum; above the second, where no single lobe fits
-// and minima are many, an isotropic lobe too.
-constexpr float kHopelessError = 0.06f;
-constexpr float kTornError = 0.15f;
+// The accuracy of the quadrature: below this error no lobe is better than another.
+constexpr float kVisibleError = 2e-4f;
 // Where lobes are this broad (variance) or this tilted (|N.xy|^2), their Gaussian stand-ins mislead. Then a
 // closed form or an isotropic lobe may win at smaller errors too.
 constexpr float kBroad = 0.05f, kSteep = 0.6f;
@@ -37,6 +35,25 @@ bool distinct(const Shape& a, const Shape& b)
     return (dx * dx + dy * dy) * power > 0.25f || ratio > 1.5f || ratio < 0.67f;
 }
 
+// Is a lobe too unlike a fit of this error to beat it, wherever its normal points? Functions on the disc form
+// angles: with a = angle(G, fit), sin^2 a = E, a lobe at least 2 a away from the fit is at least a away from
+// G. Of two Gaussians of covariances S and T, the cosine is at most 2 (det S det T)^(1/4) / sqrt(det(S + T)),
+// and cos 2 a = 1 - 2 E. Broad lobes are no Gaussians and widths on the disc change with the normal, hence
+// the margin and the limits.
+bool widthsAreFarApart(const Shape& a, const Shape& b, float error)
+{
+    constexpr float kMarginOfGaussians = 1.5f;
+    const float xx = a.sxx + b.sxx, xy = a.sxy + b.sxy, yy = a.syy + b.syy;
+    if (xx + yy > 4.0f * kBroad || b.nx * b.nx + b.ny * b.ny > kSteep)
+        return false;
+    const float detA = a.sxx * a.syy - a.sxy * a.sxy, detB = b.sxx * b.syy - b.sxy * b.sxy;
+    const float least = 1.0f - 2.0f * kMarginOfGaussians * error; // cosine of a lobe that may win
+    if (least <= 0.0f)
+        return false;
+    // cosine < least, squared.
+    return 4.0f * std::sqrt(detA * detB) < least * least * (xx * yy - xy * xy);
+}
+
 } // namespace
 
 Solver::Selection Solver::above(const Selection& selection, Family family, float error) const
@@ -53,7 +70,7 @@ Solver::Selection Solver::doubtful(const Selection& selection, Family family, fl
 {
     Selection rest;
     for (const uint32_t t : above(selection, family, kBroadError)) {
-        const Shape lean = leanShape(texels_[t].task.mean);
+        const Shape& lean = texels_[t].lean;
         const float found = texels_[t].best[family].error;
         const bool broad = std::max(lean.sxx, lean.syy) > kBroad;
         const bool steep = lean.nx * lean.nx + lean.ny * lean.ny > kSteep && found > kSteepError;
@@ -78,10 +95,12 @@ void Solver::chooseStarts(const Selection& selection, Family family)
     starts_.clear();
     for (const uint32_t t : selection) {
         const TexelTask& task = texels_[t].task;
-        const Shape lean = leanShape(task.mean);
+        const Shape& lean = texels_[t].lean;
         texels_[t].start[0] = texels_[t].start[1] = {};
+        texels_[t].startsAtLean = false;
         if (scalarPower(lean) > kCompact * float(task.mean.energy)) {
             texels_[t].start[0] = {lean, 0.0f, 1.0f}; // one bump: nothing to choose
+            texels_[t].startsAtLean = true;
             continue;
         }
         starts_.push_back({t, lean});
@@ -118,42 +137,59 @@ void Solver::searchExactly(const Selection& selection, Family family)
     }
 }
 
-// No closed form of the family may beat the fit: where one does, search on from it.
+// The closed forms that may beat the best lobe so far, of the family or made isotropic.
+void Solver::addClosedForms(uint32_t t, Family family)
+{
+    const Texel& texel = texels_[t];
+    const TexelTask& task = texel.task;
+    const auto ofFamily = [&](const Shape& shape) {
+        return family == kIsotropic ? isotropicShape(shape) : shape;
+    };
+    const auto add = [&](const Shape& shape) { starts_.push_back({t, ofFamily(shape)}); };
+    if (!texel.startsAtLean) // no search ends above its start
+        add(texel.lean);
+    add(toksvigShape(task.mean));
+    const Shape average = averageShape(task.mean);
+    if (widthsAreFarApart(ofFamily(average), texel.best[family].shape, texel.best[family].error))
+        return;
+    add(average);
+    add({0.0f, 0.0f, average.sxx, average.sxy, average.syy}); // flat
+    if (task.heights) {
+        const glm::vec3 normal = task.heights->normal(task.level, task.x, task.y);
+        add({normal.x, normal.y, average.sxx, average.sxy, average.syy});
+    }
+}
+
+// No closed form may beat the fit: where one does, search on from it.
 void Solver::searchClosedForms(const Selection& selection, Family family)
 {
-    const auto evaluate = [&](Shape (*form)(const Moments&)) {
-        starts_.clear();
-        for (const uint32_t t : selection) {
-            const Shape shape = form(texels_[t].task.mean);
-            starts_.push_back({t, family == kIsotropic ? isotropicShape(shape) : shape});
-        }
-        run(starts_, family, Against::nodesOnce, found_);
-        std::vector<Start> better;
-        for (size_t i = 0; i < starts_.size(); ++i)
-            if (found_[i].error < texels_[starts_[i].texel].best[family].error)
-                better.push_back(starts_[i]);
-        keep(starts_, found_, family);
-        run(better, family, Against::nodes, found_);
-        keep(better, found_, family);
-    };
-    for (const auto form : {leanShape, toksvigShape, averageShape})
-        evaluate(form);
+    starts_.clear();
+    for (const uint32_t t : selection)
+        addClosedForms(t, family);
+    judge(starts_, found_);
+    std::vector<Start> better;
+    for (size_t i = 0; i < starts_.size(); ++i)
+        if (found_[i].error < texels_[starts_[i].texel].best[family].error)
+            better.push_back(starts_[i]);
+    keep(starts_, found_, family);
+    run(better, family, Against::nodes, found_);
+    keep(better, found_, family);
 }
 
 void Solver::fitIsotropic(const Selection& selection)
 {
     chooseStarts(selection, kIsotropic);
     searchExactly(selection, kIsotropic);
-    searchClosedForms(doubtful(selection, kIsotropic, kHopelessError), kIsotropic);
+    searchClosedForms(above(selection, kIsotropic, kVisibleError), kIsotropic);
 }
 
 void Solver::fitAnisotropic(const Selection& selection)
 {
     chooseStarts(selection, kAnisotropic);
     searchExactly(selection, kAnisotropic);
-    searchClosedForms(doubtful(selection, kAnisotropic, kHopelessError), kAnisotropic);
+    searchClosedForms(above(selection, kAnisotropic, kVisibleError), kAnisotropic);
     // From the isotropic fit too, so that the result cannot be worse than it.
-    const Selection hopeless = doubtful(selection, kAnisotropic, kTornError);
+    const Selection hopeless = doubtful(selection, kAnisotropic, kSettledError);
     fitIsotropic(hopeless);
     starts_.clear();
     for (const uint32_t t : hopeless) {

@@ -20,23 +20,44 @@ void Solver::add(const TexelTask& task, const Cell& cell)
     texel.firstNode = nodes_.size();
     cell.patch.appendTo(nodes_, channelWeight_, float(1.0 / cell.sum.weight), channels());
     texel.nodeCount = nodes_.size() - texel.firstNode;
-    double energy = 0.0;
-    for (size_t k = texel.firstNode; k < nodes_.size(); ++k) {
-        float value = channelWeight_[0][k];
-        if (coloured_)
-            value = float(luminance({value, channelWeight_[1][k], channelWeight_[2][k]}));
-        weight_.push_back(nodes_.area[k] * value);
-        energy += double(weight_.back()) * value;
-        for (int c = 0; c < channels(); ++c)
-            channelWeight_[c][k] *= nodes_.area[k];
-    }
-    texel.energy = std::max(float(energy), 1e-30f);
+    texel.energy = std::max(float(weighNodes(texel.firstNode)), 1e-30f);
     // No fit needs to be narrower than the narrowest lobe it stands for; a little room for the
     // minimiser to cross on its way.
     const double narrowest = 1.1 * std::max(1.0, task.mean.maxPower);
     texel.maxLog = float(0.5 * std::log(narrowest - double(kBase)));
+    if (!task.fixed)
+        texel.lean = leanShape(task.mean);
     addMixture(texel);
     texels_.push_back(texel);
+}
+
+// Weights of the nodes from `first` on: area * G. Returns <G, G>.
+double Solver::weighNodes(size_t first)
+{
+    const size_t end = nodes_.size(); // whole vectors after `first`
+    weight_.resize(end);
+    const float* area = nodes_.area.data();
+    float* weight = weight_.data();
+    if (coloured_)
+        for (size_t k = first; k < end; ++k)
+            weight[k] = float(luminance({channelWeight_[0][k], channelWeight_[1][k], channelWeight_[2][k]}));
+    const float* g = coloured_ ? weight : channelWeight_[0].data();
+    constexpr size_t kSums = 8; // side by side, for the compiler to vectorise
+    float sums[kSums] = {};
+    for (size_t k = first; k < end; k += kSums)
+        for (size_t i = 0; i < kSums; ++i) {
+            const float value = g[k + i], weighted = area[k + i] * value;
+            sums[i] += weighted * value;
+            weight[k + i] = weighted;
+        }
+    if (coloured_)
+        for (int c = 0; c < channels(); ++c)
+            for (size_t k = first; k < end; ++k)
+                channelWeight_[c][k] *= area[k];
+    double energy = 0.0;
+    for (const float sum : sums)
+        energy += sum;
+    return energy;
 }
 
 // The finer level's lobes as Gaussians.
@@ -67,7 +88,7 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
         job.mixture = terms_.data() + t.firstTerm;
         job.mixtureCount = t.task.childCount;
         job.energy = t.energy;
-        job.maxLog = against == Against::nodesOnce ? 10.0f : t.maxLog;
+        job.maxLog = t.maxLog;
         toUnknowns(family == kIsotropic ? isotropicShape(starts[i].shape) : starts[i].shape, job.maxLog,
                    job.unknowns);
         order_[i] = &job;
@@ -77,8 +98,6 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
         scratch_.resize((4 * most + 64) * kMaxLanes);
     SearchSettings settings;
     settings.isotropic = family == kIsotropic;
-    if (against == Against::nodesOnce)
-        settings.maxEvaluations = 1;
     if (against == Against::mixture) {
         settings.maxEvaluations = 30;
         kernels_.minimiseMixtures(order_.data(), int(count), settings, scratch_.data());
@@ -94,8 +113,7 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
     for (size_t i = 0; i < count; ++i) {
         found[i] = {starts[i].shape, jobs_[i].error, jobs_[i].norm};
         bool clamped = false;
-        if (against != Against::nodesOnce)
-            found[i].shape = fromUnknowns(jobs_[i].unknowns, jobs_[i].maxLog, clamped);
+        found[i].shape = fromUnknowns(jobs_[i].unknowns, jobs_[i].maxLog, clamped);
         if (clamped && against == Against::nodes) {
             clampedStarts.push_back({starts[i].texel, found[i].shape});
             clampedIndices.push_back(i);
@@ -104,9 +122,33 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
     if (clampedStarts.empty())
         return;
     std::vector<Found> evaluated;
-    run(clampedStarts, family, Against::nodesOnce, evaluated);
+    judge(clampedStarts, evaluated);
     for (size_t i = 0; i < evaluated.size(); ++i)
         found[clampedIndices[i]] = evaluated[i];
+}
+
+void Solver::judge(const std::vector<Start>& starts, std::vector<Found>& found)
+{
+    trials_.resize(starts.size());
+    for (size_t i = 0; i < starts.size(); ++i) {
+        const Texel& t = texels_[starts[i].texel];
+        const Shape& s = starts[i].shape;
+        const size_t n = t.firstNode;
+        const float inverseDet = 1.0f / (s.sxx * s.syy - s.sxy * s.sxy);
+        trials_[i] = {{int(t.nodeCount), &nodes_.x[n], &nodes_.y[n], &nodes_.z[n], &weight_[n]},
+                      t.energy,
+                      s.nx,
+                      s.ny,
+                      s.syy * inverseDet,
+                      -s.sxy * inverseDet,
+                      s.sxx * inverseDet,
+                      1.0f,
+                      1.0f};
+    }
+    kernels_.judge(trials_.data(), int(trials_.size()));
+    found.resize(starts.size());
+    for (size_t i = 0; i < starts.size(); ++i)
+        found[i] = {starts[i].shape, trials_[i].error, trials_[i].norm};
 }
 
 void Solver::solve()
@@ -119,7 +161,7 @@ void Solver::solve()
             starts_.push_back({uint32_t(t), texels_[t].task.shape});
         else
             selection.push_back(uint32_t(t));
-    run(starts_, kAnisotropic, Against::nodesOnce, found_);
+    judge(starts_, found_);
     keep(starts_, found_, kAnisotropic);
     for (const Start& s : starts_)
         texels_[s.texel].best[kIsotropic] = texels_[s.texel].best[kAnisotropic];
@@ -128,7 +170,7 @@ void Solver::solve()
     if (isotropic)
         fitIsotropic(selection);
     for (const Texel& texel : texels_) {
-        const bool ownKs = texel.task.fixed;
+        const bool ownKs = texel.task.uniform || (texel.task.fixed && !options_.bestKs);
         write(texel, texel.best[isotropic ? kIsotropic : kAnisotropic], texel.task.texel, ownKs);
         if (texel.task.shadow)
             write(texel, texel.best[kAnisotropic], texel.task.shadow, ownKs);
@@ -157,7 +199,7 @@ void Solver::write(const Texel& texel, const Found& found, float* t, bool ownKs)
             float(std::max(0.0, glm::dot(texel.task.mean.kdNormal[c], glm::dvec3(shape.nx, shape.ny, nz))));
 }
 
-// Ks by projection, <G, f> / <f, f>, or the mean (`ownKs`: closed forms state it); E with that Ks.
+// Ks by projection, <G, f> / <f, f>, or the mean (`ownKs`); E with that Ks.
 void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, bool ownKs)
 {
     const TexelTask& task = texel.task;

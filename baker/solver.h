@@ -1,6 +1,7 @@
 // From a batch of texels with their average reflectance at quadrature nodes to fitted texels.
 #pragma once
 #include "cell.h"
+#include "closed_form.h"
 #include "fit_kernel.h"
 #include <array>
 
@@ -8,10 +9,12 @@ namespace lumel::baker {
 
 // What the solver is told of one texel.
 struct TexelTask {
-    Moments mean;         // mean moments of its lobes
-    bool fixed = false;   // nothing to fit: the method is a closed form, or the texel is uniform
-    Shape shape;          // the lobe then
-    bool uniform = false; // all its lobes are `shape`: no error
+    Moments mean;       // mean moments of its lobes
+    bool fixed = false; // nothing to fit: the method is a closed form, or the texel is uniform
+    Shape shape;        // the lobe then
+    const HeightMips* heights = nullptr; // where there is a height map
+    int level = 0, x = 0, y = 0;         // the texel
+    bool uniform = false;                // all its lobes are `shape`: no error
     // Lobes of the finer level under it with their Ks (luminance) and share of the area.
     struct Child {
         Shape shape;
@@ -51,22 +54,28 @@ private:
         size_t firstNode, nodeCount;
         size_t firstTerm;
         float energy, maxLog;
-        Found best[2];  // by family
-        Found start[2]; // the two best minima of the mixture
+        Shape lean;
+        bool startsAtLean = false; // the last exact search did
+        Found best[2];             // by family
+        Found start[2];            // the two best minima of the mixture
     };
     using Selection = std::vector<uint32_t>;
 
+    double weighNodes(size_t first);
     void addMixture(Texel& texel);
     // One search for each of `starts` (texel, shape).
     struct Start {
         uint32_t texel;
         Shape shape;
     };
-    enum class Against { mixture, nodes, nodesOnce };
+    enum class Against { mixture, nodes };
     void run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found);
+    // The lobes as they are.
+    void judge(const std::vector<Start>& starts, std::vector<Found>& found);
     void keep(const std::vector<Start>& starts, const std::vector<Found>& found, Family family);
     void chooseStarts(const Selection& selection, Family family);
     void searchExactly(const Selection& selection, Family family);
+    void addClosedForms(uint32_t texel, Family family);
     void searchClosedForms(const Selection& selection, Family family);
     void fitIsotropic(const Selection& selection);
     void fitAnisotropic(const Selection& selection);
@@ -84,6 +93,7 @@ private:
     std::vector<MixtureTerm> terms_;
     std::vector<FitJob> jobs_;
     std::vector<FitJob*> order_;
+    std::vector<Trial> trials_;
     std::vector<Start> starts_;
     std::vector<Found> found_;
     std::vector<float> scratch_;

@@ -6,7 +6,7 @@ namespace lumel::baker {
 
 void toUnknowns(const Shape& shape, float maxLog, float* unknowns)
 {
-    const Sym2 s = clampPowers({shape.sxx, shape.sxy, shape.syy});
+    const Sym2 s{shape.sxx, shape.sxy, shape.syy};
     const Sym2 p = s.inverse();
     constexpr double kFloor = 1.0 - double(kBase);
     const double u11 = std::sqrt(std::max(p.xx - double(kBase), kFloor));
@@ -17,8 +17,8 @@ void toUnknowns(const Shape& shape, float maxLog, float* unknowns)
     const double b11 = std::sqrt(disc.xx), b21 = disc.xy / b11;
     unknowns[kX] = shape.nx;
     unknowns[kY] = shape.ny;
-    unknowns[kL1] = std::min(float(std::log(u11)), maxLog);
-    unknowns[kL2] = std::min(float(std::log(u22)), maxLog);
+    unknowns[kL1] = std::min(std::log(float(u11)), maxLog);
+    unknowns[kL2] = std::min(std::log(float(u22)), maxLog);
     unknowns[kL3] = float(u12 / u22);
     unknowns[kB11] = float(b11);
     unknowns[kB21] = float(b21);

@@ -116,7 +116,7 @@ void BenchRunner::addScene(const std::filesystem::path& file)
 
 void BenchRunner::addView(scene::Scene& scene, const BenchArguments& arguments)
 {
-    const scene::Camera camera = chooseCamera(arguments, scene);
+    const scene::Camera camera = chooseCamera(arguments, scene).camera;
     PathOptions path = arguments.path;
     if (arguments.usualPath)
         path.path = camera.node >= 0 ? scene::Path::animation : scene::Path::orbit;
@@ -140,8 +140,19 @@ void BenchRunner::addView(scene::Scene& scene, const BenchArguments& arguments)
         if (!arguments.load.empty())
             info.options["lights"] = describeLoad(arguments.load);
     }
+    // One exposure for all: that of the path's start.
+    Renderer& first = view.runs.front()->renderer;
+    place(view, first, 0);
+    const float exposure = chooseExposure(arguments, scene, first, view.playback.camera(0));
+    for (const auto& run : view.runs) {
+        Settings settings = run->renderer.settings();
+        settings.exposure = exposure;
+        run->renderer.setSettings(settings);
+        run->info.options["exposure"] = fmt::format("{:g}", exposure);
+    }
     if (arguments.errorEvery > 0 || arguments.flicker) {
         Settings settings = arguments.settings;
+        settings.exposure = exposure;
         settings.shading = Shading::reference;
         settings.budgetMs = 0.0;
         view.reference = std::make_unique<Renderer>(device_, scene, materials_.begin()->second, settings);

@@ -91,7 +91,7 @@ void runBake(const BakeArguments& arguments)
     const std::string name = arguments.output.filename().string();
     Progress progress("bake " + name,
                       baker::progressUnits(maps) +
-                          (arguments.reports.empty() ? 0 : baker::measureUnits(maps, arguments.options)));
+                          (arguments.reports.empty() ? 0 : baker::measureUnits(maps)));
     const auto bakeStart = std::chrono::steady_clock::now();
     // Only a report needs the levels after they are written.
     const bool keeps = !arguments.reports.empty();

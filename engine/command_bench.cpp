@@ -4,6 +4,7 @@
 #include "core/canvas.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "passes/demands.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -57,7 +58,7 @@ bool runBench(const BenchArguments& given)
     if (arguments.scenes.empty())
         arguments.scenes.push_back(usualScene());
     checkOutputs(arguments);
-    const gpu::Device device(arguments.device);
+    const gpu::Device device(forRendering(arguments.device));
     BenchRunner runner(device, arguments);
     runner.measure();
     const nlohmann::json document = runner.document();

@@ -62,10 +62,11 @@ void addSettings(Options& options, const Settings& s)
     options.add("--msaa", s.msaa, usual.msaa);
     options.add("--environment-intensity", s.environmentIntensity, usual.environmentIntensity);
     options.add("--environment-rotation", s.environmentRotation, usual.environmentRotation);
+    if (s.ambient)
+        options.set("--ambient", fmt::format("{}", *s.ambient));
     if (!s.shadows)
         options.set("--shadows", "off");
     options.add("--shadow-size", s.shadowSize, usual.shadowSize);
-    options.add("--exposure", s.exposure, usual.exposure);
     options.add("--tone-map", s.toneMap, usual.toneMap, kToneMapNames);
     options.add("--pool-mb", s.poolBytes >> 20, usual.poolBytes >> 20);
 }
@@ -102,6 +103,8 @@ std::string shotCommand(const SceneArguments& a, const scene::ViewCamera& camera
     options.add("--filter", a.filter, usual.filter, kFilterNames);
     options.add("--model", a.model, usual.model, kModelNames);
     addSettings(options, a.settings);
+    if (a.exposure == ExposureChoice::fixed || a.settings.exposure != usual.settings.exposure)
+        options.set("--exposure", fmt::format("{}", a.settings.exposure));
     options.add("--device", a.device.device, usual.device.device);
     return "lumel shot " + quoted(std::filesystem::absolute(a.scene).string()) + options.text();
 }

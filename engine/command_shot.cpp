@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/progress.h"
+#include "passes/demands.h"
 #include "setup.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -102,18 +103,23 @@ void runShot(const ShotArguments& arguments)
     checkWritable(files.of(0));
     if (!arguments.stats.empty())
         checkWritable(arguments.stats);
+    const gpu::Device device(forRendering(arguments.device));
+    checkSizes(device, arguments.settings);
     scene::Scene scene = scene::loadGltf(arguments.scene);
     changeScene(arguments, scene);
-    const scene::Camera camera = chooseCamera(arguments, scene);
+    const scene::Camera camera = chooseCamera(arguments, scene).camera;
     const auto materials = scene::bakeMaterials(scene, {.method = arguments.filter,
                                                         .model = arguments.model,
                                                         .useCache = arguments.useCache,
                                                         .threads = arguments.threads});
-    const gpu::Device device(arguments.device);
     Renderer renderer(device, scene, materials, arguments.settings);
-    const std::vector<FrameStats> frames =
-        renderFrames(arguments, Playback(scene, camera, arguments.path), files, renderer);
-    const RunInfo run = describeRun(arguments, arguments.path, camera, device);
+    const Playback playback(scene, camera, arguments.path);
+    playback.apply(renderer, 0);
+    ShotArguments exposed = arguments; // all frames as the first
+    exposed.settings.exposure = chooseExposure(arguments, scene, renderer, playback.camera(0));
+    renderer.setSettings(exposed.settings);
+    const std::vector<FrameStats> frames = renderFrames(exposed, playback, files, renderer);
+    const RunInfo run = describeRun(exposed, arguments.path, camera, device);
     if (!arguments.stats.empty())
         writeFileAtomically(
             arguments.stats,

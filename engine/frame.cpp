@@ -113,6 +113,8 @@ void Renderer::countLumels(const Frame& frame)
         stats_.lumelsKept = known_.lumelsMarked;
     } else {
         const shared::Plan& plan = plan_.read();
+        if (plan.dropped > 0)
+            spdlog::error("{} entries found no room in the lists of tiles; report this", plan.dropped);
         known_.lumelsMarked = plan.lumelsMarked;
         known_.tilesMarked = plan.marked;
         lumelsPending_ = plan.lumelsPending;
@@ -237,7 +239,7 @@ void Renderer::setSettings(const Settings& settings)
         sumSamples_ = 0;
     }
     const auto lightOf = [](const Settings& s) {
-        return std::tuple(s.environmentIntensity, s.environmentRotation, s.shadows, s.shadowSize);
+        return std::tuple(s.environmentIntensity, s.environmentRotation, s.ambient, s.shadows, s.shadowSize);
     };
     if (lightOf(settings) != lightOf(before))
         sumSamples_ = 0; // lumels see to it that what changed is lit again
@@ -272,6 +274,34 @@ glm::mat4 Renderer::clipFromWorld(const scene::Camera& camera) const
            glm::lookAt(camera.eye, camera.target, camera.up);
 }
 
+// With the scene made ready for it. `settings` and `targets` may be others than the renderer's.
+Frame Renderer::makeFrame(const scene::Camera& camera, const Settings& settings, Targets& targets,
+                          uint32_t index)
+{
+    Frame frame{.device = device_,
+                .commands = *commands_.front(),
+                .timer = timer_,
+                .scene = scene_,
+                .targets = targets,
+                .settings = settings,
+                .renderSize = settings.size,
+                .clipFromWorld = clipFromWorld(camera),
+                .eye = camera.eye,
+                .index = index,
+                .inView = {},
+                .needs = {},
+                .elongations = {},
+                .detail = detail_.value_or(tsl::Detail{settings_.levelOffset, settings_.anisotropy}),
+                .lumelBudget = settings.lumelBudget,
+                .rooms = rooms_};
+    scene_.adjustAmbient(settings_.ambient, index);
+    scene_.adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, index);
+    shadow_.prepare(device_, scene_, settings_, index);
+    frame.inView = scene_.objectsInView(frame.clipFromWorld);
+    scene_.writeObjects();
+    return frame;
+}
+
 FrameStats Renderer::renderFrame(const scene::Camera& camera)
 {
     if (interrupted())
@@ -280,31 +310,13 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     stats_ = {};
     if (budget_)
         quality_ = budget_->quality();
-    Frame frame{.device = device_,
-                .commands = *commands_.front(),
-                .timer = timer_,
-                .scene = scene_,
-                .targets = targets_,
-                .settings = settings_,
-                .renderSize =
-                    glm::max(glm::uvec2(glm::round(glm::vec2(settings_.size) * quality_.renderScale)), 1u),
-                .clipFromWorld = clipFromWorld(camera),
-                .eye = camera.eye,
-                .index = ++frameIndex_,
-                .inView = {},
-                .needs = {},
-                .elongations = {},
-                .detail = detail_.value_or(tsl::Detail{settings_.levelOffset, settings_.anisotropy}),
-                .lumelBudget = std::min(settings_.lumelBudget, quality_.lumels),
-                .rooms = rooms_};
+    Frame frame = makeFrame(camera, settings_, targets_, ++frameIndex_);
+    frame.renderSize = glm::max(glm::uvec2(glm::round(glm::vec2(settings_.size) * quality_.renderScale)), 1u);
     frame.detail.levelOffset += quality_.levelBias;
+    frame.lumelBudget = std::min(settings_.lumelBudget, quality_.lumels);
     renderSize_ = frame.renderSize;
-    scene_.adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, frameIndex_);
-    shadow_.prepare(device_, scene_, settings_, frameIndex_);
-    frame.inView = scene_.objectsInView(frame.clipFromWorld);
     if (budget_ && settings_.shading == Shading::tsl)
         noteRestless(frame);
-    scene_.writeObjects();
     writeView(frame, glm::vec2(0.0f));
     if (sumSamples_ == 0)
         sumFrame_ = frameIndex_;
@@ -317,6 +329,7 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     stats_.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     if (settings_.shading == Shading::tsl)
         countLumels(frame);
+    stats_.exposure = settings_.exposure;
     stats_.renderScale = quality_.renderScale;
     stats_.budgetBias = quality_.levelBias;
     stats_.lumelBudget = frame.lumelBudget;

@@ -4,6 +4,7 @@
 #include "passes/display_pass.h"
 #include "passes/draw_pass.h"
 #include "passes/light_pass.h"
+#include "passes/meter_pass.h"
 #include "passes/need_pass.h"
 #include "passes/plan_pass.h"
 #include "passes/shadow_pass.h"
@@ -22,6 +23,8 @@ public:
     FrameStats render(const scene::Camera& camera);
     // Reference only: adds settings().samples to those of this very view, or starts anew.
     FrameStats accumulate(const scene::Camera& camera);
+    // The luminances of the view, for automatic exposure; changes no picture.
+    LuminanceHistogram meter(const scene::Camera& camera);
     // The last frame changed nothing: a further one of the same view would be the same.
     bool settled() const { return settled_; }
     int samples() const { return sumSamples_; } // behind the reference's picture
@@ -64,6 +67,7 @@ private:
     bool isSettled(const Frame& frame) const;
     void chooseDetail(Frame& frame);
     void countLumels(const Frame& frame);
+    Frame makeFrame(const scene::Camera& camera, const Settings& settings, Targets& targets, uint32_t index);
     FrameStats renderFrame(const scene::Camera& camera);
     glm::mat4 clipFromWorld(const scene::Camera& camera) const;
     void begin(Frame& frame);
@@ -82,6 +86,7 @@ private:
     LightPass light_;
     DrawPass draw_;
     DisplayPass display_;
+    std::unique_ptr<MeterPass> meter_; // made when first needed
     gpu::Timer timer_;
     vk::raii::CommandBuffers commands_;
     FrameStats stats_;

@@ -1,4 +1,5 @@
 // The commands: options in, then the steps in order. Exit code 0 done, 1 bad input or failure, 2 usage.
+#include "core/decoder_process.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
@@ -56,6 +57,7 @@ int main(int argc, char** argv)
     setUpLog("info");
     catchInterrupts();
     try {
+        const DecoderProcess decoder; // before any thread
         return run(argc, argv);
     } catch (const Interrupted&) {
         std::fputs("lumel: interrupted; nothing unfinished was written\n", stderr);

@@ -3,6 +3,8 @@
 #include "passes/names.h"
 #include "scene/light_text.h"
 #include "shared/structs.h"
+#include <charconv>
+#include <cmath>
 
 namespace lumel {
 
@@ -51,9 +53,24 @@ const auto kViews = valuesOf<View>(kViewNames, 1);
 
 void addDeviceOptions(CLI::App* command, SceneArguments& a)
 {
-    command->add_option("--device", a.device.device, "Vulkan device, by index or part of its name");
-    command->add_flag("--validate", a.device.validation,
-                      "run under Vulkan validation; a message is a failure");
+    command
+        ->add_option("--device", a.device.device,
+                     "Vulkan device, by index or part of its or its driver's name")
+        ->envname("LUMEL_DEVICE");
+    command
+        ->add_flag("--validate", a.device.validation, "run under Vulkan validation; a message is a failure")
+        ->envname("LUMEL_VALIDATE");
+}
+
+void parseExposure(const std::string& text, SceneArguments& a)
+{
+    a.exposure = text == "auto" ? ExposureChoice::automatic : ExposureChoice::fixed;
+    if (a.exposure == ExposureChoice::automatic)
+        return;
+    float& number = a.settings.exposure;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || !(number > 0.0f && std::isfinite(number)))
+        throw CLI::ValidationError("--exposure " + text, "write auto or a number above 0");
 }
 
 void addCamera(CLI::App* command, SceneArguments& a)
@@ -144,6 +161,11 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
         ->check(CLI::Range(-360.0, 360.0))
         ->capture_default_str();
     command
+        ->add_option("--ambient", a.settings.ambient,
+                     "radiance of an even sky, and a third of it from the ground, beside the surroundings")
+        ->check(CLI::Range(0.0, 1e6))
+        ->default_str("4 % of the brightest sun in a scene with lights of its own, else 0");
+    command
         ->add_option_function<std::string>(
             "--shadows", [&a](const std::string& text) { a.settings.shadows = text == "on"; },
             "shadows of sun and spot lights, the 8 strongest: on or off")
@@ -213,10 +235,14 @@ void addSceneOptions(CLI::App* command, SceneArguments& a)
     command->parse_complete_callback([&a, msaa] {
         if (a.settings.budgetMs > 0.0 && msaa->count() == 0)
             a.settings.msaa = 1;
+        if (a.environment == "none" && !a.settings.ambient) // none is none
+            a.settings.ambient = 0.0f;
     });
-    command->add_option("--exposure", a.settings.exposure, "display: multiplies radiance")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
+    command
+        ->add_option_function<std::string>(
+            "--exposure", [&a](const std::string& text) { parseExposure(text, a); },
+            "display: multiplies radiance; a number, or auto: what brings the view to middle grey")
+        ->default_str("1, or auto where the scene's own lights would give a white or black picture");
     command->add_option("--tone-map", a.settings.toneMap, "display: neutral (Khronos PBR), aces or clamp")
         ->transform(CLI::CheckedTransformer(kToneMaps).description(""))
         ->default_str("neutral");

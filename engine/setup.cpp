@@ -3,8 +3,10 @@
 #include "passes/names.h"
 #include "scene/environment.h"
 #include "scene/view_camera.h"
+#include "scene/visibility.h"
 #include <charconv>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 namespace lumel {
 namespace {
@@ -16,9 +18,22 @@ std::string text(double number)
     return fmt::format("{:g}", number);
 }
 
+// Without options.
+ChosenCamera usualCamera(const SceneArguments& arguments, const scene::Scene& scene, float aspect)
+{
+    if (!scene.cameras.empty()) {
+        const scene::Camera& first = scene.cameras.front();
+        if (scene::seesAnything(scene, first, aspect))
+            return {first};
+        spdlog::info("{}: its camera '{}' sees nothing; the scene is framed instead (--camera 0 insists)",
+                     arguments.scene.string(), first.name);
+    }
+    return {scene::frameBounds(scene.bounds, aspect), false};
+}
+
 } // namespace
 
-scene::Camera chooseCamera(const SceneArguments& arguments, const scene::Scene& scene)
+ChosenCamera chooseCamera(const SceneArguments& arguments, const scene::Scene& scene)
 {
     const float aspect = float(arguments.settings.size.x) / float(arguments.settings.size.y);
     if (arguments.eye || arguments.target) {
@@ -27,23 +42,42 @@ scene::Camera chooseCamera(const SceneArguments& arguments, const scene::Scene& 
             arguments.eye.value_or(target + glm::vec3(0.0f, 0.0f, 3.0f * scene.bounds.radius()));
         if (glm::distance(eye, target) < 1e-9f)
             throw Error("--eye and --target are the same point; move one of them");
-        return scene::ViewCamera::atPoints(eye, target, arguments.fovDegrees, scene.bounds);
+        return {scene::ViewCamera::atPoints(eye, target, arguments.fovDegrees, scene.bounds), false};
     }
     if (arguments.camera.empty())
-        return scene.cameras.empty() ? scene::frameBounds(scene.bounds, aspect) : scene.cameras.front();
+        return usualCamera(arguments, scene, aspect);
     std::string known;
     for (const auto& camera : scene.cameras) {
         if (camera.name == arguments.camera)
-            return camera;
+            return {camera};
         known += " " + camera.name;
     }
     size_t index = scene.cameras.size();
     const char* end = arguments.camera.data() + arguments.camera.size();
     const auto parsed = std::from_chars(arguments.camera.data(), end, index);
     if (parsed.ec == std::errc() && parsed.ptr == end && index < scene.cameras.size())
-        return scene.cameras[index];
+        return {scene.cameras[index]};
     throw Error(fmt::format("{}: no camera '{}'; it has{}", arguments.scene.string(), arguments.camera,
                             known.empty() ? " none: leave --camera out" : known));
+}
+
+bool hasOwnLights(const SceneArguments& arguments, const scene::Scene& scene)
+{
+    return !scene.lights.empty() && arguments.lights == 0 && arguments.lightList.empty();
+}
+
+float chooseExposure(const SceneArguments& arguments, const scene::Scene& scene, Renderer& renderer,
+                     const scene::Camera& camera)
+{
+    const bool usual = arguments.exposure == ExposureChoice::usual;
+    if (arguments.exposure == ExposureChoice::fixed || (usual && !hasOwnLights(arguments, scene)))
+        return arguments.settings.exposure;
+    const LuminanceHistogram histogram = renderer.meter(camera);
+    if (usual && !needsExposure(histogram))
+        return arguments.settings.exposure;
+    const float exposure = automaticExposure(histogram);
+    spdlog::info("exposure {} (auto)", exposure);
+    return exposure;
 }
 
 RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, const scene::Camera& camera,
@@ -73,6 +107,7 @@ RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, co
                             {"tolerance", text(settings.tolerance)},
                             {"exposure", text(settings.exposure)},
                             {"environment", arguments.environment.empty() ? "auto" : arguments.environment},
+                            {"ambient", settings.ambient ? text(*settings.ambient) : "auto"},
                             {"environment-intensity", text(settings.environmentIntensity)},
                             {"shadows", settings.shadows ? "on" : "off"},
                             {"shadow-size", std::to_string(settings.shadowSize)},

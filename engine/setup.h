@@ -5,8 +5,21 @@
 
 namespace lumel {
 
-// The camera that the options name. Throws Error when the scene has none of that name.
-scene::Camera chooseCamera(const SceneArguments& arguments, const scene::Scene& scene);
+struct ChosenCamera {
+    scene::Camera camera;
+    bool named = true; // --camera takes its name
+};
+// The camera that the options name; without any the file's first, or one that frames the scene where that
+// sees nothing, which is said. Throws Error when the scene has none of that name.
+ChosenCamera chooseCamera(const SceneArguments& arguments, const scene::Scene& scene);
+
+// Whether the scene is lit by the lights of its file, in units that may be any.
+bool hasOwnLights(const SceneArguments& arguments, const scene::Scene& scene);
+
+// The exposure that the options ask for; where it is chosen here, by what the camera sees, that is said. The
+// renderer's scene is as it is to be shown.
+float chooseExposure(const SceneArguments& arguments, const scene::Scene& scene, Renderer& renderer,
+                     const scene::Camera& camera);
 
 // The head of the statistics.
 RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, const scene::Camera& camera,

@@ -32,6 +32,7 @@ json frameJson(const FrameStats& f)
             {"pool",
              {{"used_bytes", f.poolUsedBytes}, {"cap_bytes", f.poolCapBytes}, {"textures", f.poolTextures}}},
             {"objects", {{"tsl", f.objectsTsl}, {"forward", f.objectsForward}, {"culled", f.objectsCulled}}},
+            {"exposure", f.exposure},
             {"render_scale", f.renderScale},
             {"lumel_budget", f.lumelBudget == ~0u ? json(nullptr) : json(f.lumelBudget)},
             {"budget_bias", f.budgetBias},

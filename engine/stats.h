@@ -23,6 +23,7 @@ struct FrameStats {
     // RMSE in display values, where measured: of the picture against the reference's; of its difference to
     // the frame before against the reference's; and of that difference of the reference alone.
     std::optional<double> errorRmse, flickerRmse, changeRmse;
+    float exposure = 1.0f;
     float renderScale = 1.0f, budgetBias = 0.0f; // budgetBias: levels given up for the frame budget
     size_t lumelBudget = ~0u;                    // lumels that the frame might light
 };

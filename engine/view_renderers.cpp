@@ -16,10 +16,18 @@ bool sameSettings(const Settings& a, const Settings& b)
     const auto all = [](const Settings& s) {
         return std::tuple(s.view, s.shading, s.size, s.filter, s.anisotropy, s.msaa, s.exposure, s.toneMap,
                           s.poolBytes, s.levelOffset, s.lumelsPerPixel, s.lumelBudget, s.refreshShare,
-                          s.tolerance, s.budgetMs, s.environmentIntensity, s.environmentRotation, s.shadows,
-                          s.shadowSize);
+                          s.tolerance, s.budgetMs, s.environmentIntensity, s.environmentRotation, s.ambient,
+                          s.shadows, s.shadowSize);
     };
     return all(a) == all(b);
+}
+
+// Whether the radiance does.
+bool sameRadiance(Settings a, const Settings& b)
+{
+    a.exposure = b.exposure;
+    a.toneMap = b.toneMap;
+    return sameSettings(a, b);
 }
 
 } // namespace
@@ -47,6 +55,7 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     settings.shading = Shading::forward;
     Slot first{.renderer = std::make_unique<Renderer>(device_, *loaded.scene, *loaded.materials, settings),
                .method = loaded.options.method,
+               .metered = {},
                .camera = {},
                .seconds = {},
                .stats = {}};
@@ -102,7 +111,10 @@ void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Metho
             slot.renderer->setLights(*lights_);
         slot.seconds = state.seconds;
         slot.rendered = false;
+        slot.metered.reset();
     }
+    if (!sameRadiance(slot.renderer->settings(), settings) || !sameCamera(slot.camera, state.camera.camera()))
+        slot.metered.reset();
     if (!sameSettings(slot.renderer->settings(), settings) || !sameCamera(slot.camera, state.camera.camera()))
         slot.rendered = false;
     slot.renderer->setSettings(settings);
@@ -131,6 +143,7 @@ void ViewRenderers::setLights(const std::vector<scene::Light>& lights)
         if (slot.renderer) {
             slot.renderer->setLights(lights);
             slot.rendered = false;
+            slot.metered.reset();
         }
 }
 
@@ -141,6 +154,7 @@ void ViewRenderers::setEnvironment(std::shared_ptr<const scene::Environment> env
         if (slot.renderer) {
             slot.renderer->setEnvironment(environment);
             slot.rendered = false;
+            slot.metered.reset();
         }
 }
 
@@ -159,6 +173,49 @@ std::vector<glm::uvec2> ViewRenderers::lumelGrids() const
     return grids;
 }
 
+ViewRenderers::Slot& ViewRenderers::prepareSide(const ui::ViewState& state, glm::uvec2 size, size_t i)
+{
+    const ui::Side& side = state.sides[i];
+    isReference_[i] = side.shading == Shading::reference;
+    if (isReference_[i])
+        return prepareReference(state, size);
+    Settings settings = state.settings;
+    settings.size = size;
+    settings.shading = side.shading;
+    Slot& slot = slots_[i];
+    if (materials(side.filter)) // else the old one, until they are there
+        prepare(slot, state, side.filter, settings);
+    else if (slot.renderer)
+        prepare(slot, state, slot.method, settings);
+    else
+        prepare(slot, state, materials_.begin()->first, settings);
+    return slot;
+}
+
+ViewRenderers::Slot& ViewRenderers::prepareReference(const ui::ViewState& state, glm::uvec2 size)
+{
+    Slot& slot = slots_[kReference];
+    Settings settings = state.settings;
+    settings.size = size;
+    settings.shading = Shading::reference;
+    settings.samples = 1;
+    settings.budgetMs = 0.0; // the truth takes its time
+    prepare(slot, state, slot.renderer ? slot.method : materials_.begin()->first, settings);
+    return slot;
+}
+
+std::optional<LuminanceHistogram> ViewRenderers::meter(const ui::ViewState& state, glm::uvec2 size)
+{
+    if (!scene_)
+        return std::nullopt;
+    if (lights_ != state.lights && state.lightsEdited)
+        setLights(state.lights);
+    Slot& slot = prepareSide(state, size, 0);
+    if (!slot.metered)
+        slot.metered = slot.renderer->meter(slot.camera);
+    return slot.metered;
+}
+
 bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::ViewReport& report)
 {
     if (!scene_)
@@ -168,34 +225,17 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::View
     const size_t sides = state.split ? 2 : 1;
     bool rendered = false, settled = true, needsReference = false;
     for (size_t i = 0; i < sides; ++i) {
-        const ui::Side& side = state.sides[i];
-        isReference_[i] = side.shading == Shading::reference;
+        Slot& slot = prepareSide(state, size, i);
         needsReference = needsReference || isReference_[i];
         if (isReference_[i])
             continue;
-        Settings settings = state.settings;
-        settings.size = size;
-        settings.shading = side.shading;
-        Slot& slot = slots_[i];
-        if (materials(side.filter)) // else the old one, until they are there
-            prepare(slot, state, side.filter, settings);
-        else if (slot.renderer)
-            prepare(slot, state, slot.method, settings);
-        else
-            prepare(slot, state, materials_.begin()->first, settings);
         rendered = renderSlot(slot, state) || rendered;
         settled = settled && slot.renderer->settled();
         report.sides[i].stats = slot.stats;
     }
     // Both sides are measured once they are done: then there is time for the truth.
     if (needsReference || (state.split && settled)) {
-        Slot& slot = slots_[kReference];
-        Settings settings = state.settings;
-        settings.size = size;
-        settings.shading = Shading::reference;
-        settings.samples = 1;
-        settings.budgetMs = 0.0; // the truth takes its time
-        prepare(slot, state, slot.renderer ? slot.method : materials_.begin()->first, settings);
+        Slot& slot = prepareReference(state, size);
         rendered = renderSlot(slot, state) || rendered;
         settled = settled && slot.renderer->samples() >= state.settings.samples;
         for (size_t i = 0; i < sides; ++i)

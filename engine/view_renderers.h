@@ -22,6 +22,8 @@ public:
 
     // Renders what the state asks for, unless it is there already. True if anything was rendered.
     bool render(const ui::ViewState& state, glm::uvec2 size, ui::ViewReport& report);
+    // The luminances of what the left side is to show; nothing before there is a scene.
+    std::optional<LuminanceHistogram> meter(const ui::ViewState& state, glm::uvec2 size);
     // All is rendered that this state will ever show.
     bool finished() const { return finished_; }
 
@@ -32,6 +34,8 @@ public:
     // Per object: the lit texture of a side lit in texture space; lumels of level 0.
     std::vector<tsl::ObjectRoom> rooms(size_t side) const;
     std::vector<glm::uvec2> lumelGrids() const;
+
+    float ambient() const { return slots_[0].renderer ? slots_[0].renderer->scene().skyRadiance().x : 0.0f; }
 
     // The picture of a side, in use transferRead; null before the first one.
     const gpu::Image* picture(size_t side) const;
@@ -48,7 +52,8 @@ private:
     struct Slot {
         std::unique_ptr<Renderer> renderer;
         baker::Method method = baker::Method::fit;
-        bool rendered = false; // what it was last asked for
+        bool rendered = false;                     // what it was last asked for
+        std::optional<LuminanceHistogram> metered; // of that view
         scene::Camera camera;
         std::optional<double> seconds; // of the animation; nothing: as the file's nodes stand
         FrameStats stats;
@@ -57,6 +62,9 @@ private:
     Slot* rendererOf(size_t side);
     const Slot* rendererOf(size_t side) const;
     void prepare(Slot& slot, const ui::ViewState& state, baker::Method method, const Settings& settings);
+    // The slot of a side as the state asks for.
+    Slot& prepareSide(const ui::ViewState& state, glm::uvec2 size, size_t side);
+    Slot& prepareReference(const ui::ViewState& state, glm::uvec2 size);
     bool renderSlot(Slot& slot, const ui::ViewState& state);
     void forgetUnused(const ui::ViewState& state);
     void measure(const ui::ViewState& state, ui::ViewReport& report);

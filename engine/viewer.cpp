@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/progress.h"
+#include "passes/demands.h"
 #include "scene/pick.h"
 #include "setup.h"
 #include "ui/panels.h"
@@ -53,11 +54,14 @@ Viewer::Frontend::~Frontend()
 }
 
 Viewer::Viewer(const ViewArguments& arguments)
-    : arguments_(arguments), frontend_(arguments), device_(std::make_unique<gpu::Device>(arguments.device)),
+    : arguments_(arguments), frontend_(arguments),
+      device_(std::make_unique<gpu::Device>(forRendering(arguments.device))),
       window_(std::make_unique<gpu::Window>(*device_, frontend_.window, arguments.presentMode)),
       renderers_(std::make_unique<ViewRenderers>(*device_))
 {
     state_.settings = arguments.settings;
+    state_.autoExposure = arguments.exposure == ExposureChoice::automatic;
+    state_.exposureChosen = arguments.exposure != ExposureChoice::usual;
     state_.sides = {ui::Side{arguments.settings.shading, arguments.filter},
                     ui::Side{arguments.rightShading, arguments.rightFilter}};
     state_.split = arguments.split;
@@ -92,6 +96,7 @@ bool Viewer::idle() const
     if (minimised)
         return true;
     return !loader_.busy() && !inspector_.busy() && !frontend_.input->any() &&
+           (!state_.autoExposure || adaptation_.arrived()) &&
            ((renderers_->finished() && !state_.playing) || state_.paused);
 }
 
@@ -118,6 +123,7 @@ void Viewer::frame()
     if (glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) == 0) {
         state_.settings.size = pictureSize(layout);
         play(seconds);
+        expose(seconds);
         render();
         inspect(layout);
         show(layout);
@@ -144,6 +150,26 @@ void Viewer::play(double seconds)
     state_.seconds = kAnimationStep * std::floor(played_ / kAnimationStep + 1e-6);
 }
 
+// Eyes adapt to what is seen. A scene with lights of its own is looked at once, to find out whether they
+// must.
+void Viewer::expose(double seconds)
+{
+    if (!renderers_->scene() || !(state_.autoExposure || exposureAsked_) || state_.paused) {
+        adaptation_.reset();
+        return;
+    }
+    if (const auto histogram = renderers_->meter(state_, state_.settings.size)) {
+        if (std::exchange(exposureAsked_, false)) {
+            state_.autoExposure = needsExposure(*histogram);
+            if (!state_.autoExposure)
+                return;
+            spdlog::info("exposure {} (auto)", automaticExposure(*histogram));
+        }
+        adaptation_.aim(automaticExposure(*histogram));
+    }
+    state_.settings.exposure = adaptation_.advance(seconds);
+}
+
 void Viewer::render()
 {
     if (state_.paused && !state_.step)
@@ -160,6 +186,7 @@ void Viewer::render()
     if (report_.history.size() > kHistory)
         report_.history.pop_front();
     report_.rooms = renderers_->rooms(0);
+    report_.ambient = renderers_->ambient();
 }
 
 void Viewer::show(const ui::Layout& layout)

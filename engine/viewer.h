@@ -34,6 +34,7 @@ private:
     void frame();
     bool idle() const;
     void play(double seconds);
+    void expose(double seconds);
     void render();
     void show(const ui::Layout& layout);
     void inspect(const ui::Layout& layout);
@@ -76,8 +77,10 @@ private:
     std::shared_ptr<const scene::Environment> environment_;         // as shown
     std::string environmentName_;
     int screenshots_ = 0;
-    double lastFrame_ = 0.0; // seconds
-    double played_ = 0.0;    // seconds of the animation
+    ExposureAdaptation adaptation_;
+    bool exposureAsked_ = false; // is automatic exposure needed?
+    double lastFrame_ = 0.0;     // seconds
+    double played_ = 0.0;        // seconds of the animation
     std::string title_;
     std::array<int, 4> windowed_{}; // place and size before full screen
 };

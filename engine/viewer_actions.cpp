@@ -109,6 +109,9 @@ SceneArguments Viewer::argumentsOf(size_t side) const
         a.lights = 0;
         a.lightList = state_.lights;
     }
+    // What the command would choose by itself depends on the view.
+    const bool chooses = state_.autoExposure || hasOwnLights(a, *renderers_->scene());
+    a.exposure = chooses || state_.exposureChosen ? ExposureChoice::fixed : ExposureChoice::usual;
     return a;
 }
 
@@ -229,6 +232,7 @@ void Viewer::finishLoading()
             arguments_.lights = 0;
             arguments_.lightList.clear();
             arguments_.environment.clear();
+            state_.settings.ambient.reset();
             arguments_.materialFiles.clear();
         }
         state_.lightsEdited = false;
@@ -242,6 +246,12 @@ void Viewer::finishLoading()
                              : environment_                  ? "sky"
                                                              : "none";
         environmentName_ = state_.environment;
+        if (!state_.exposureChosen) {
+            state_.settings.exposure = 1.0f;
+            state_.autoExposure = false;
+            exposureAsked_ = hasOwnLights(arguments_, *renderers_->scene());
+        }
+        adaptation_.reset();
         resetView();
     } catch (const Error& e) {
         if (!renderers_->scene())
@@ -271,6 +281,8 @@ void Viewer::changeEnvironment()
         return;
     }
     environmentName_ = arguments_.environment = state_.environment;
+    if (state_.environment == "none" && !state_.settings.ambient) // as for --environment none
+        state_.settings.ambient = 0.0f;
     renderers_->setEnvironment(environment_);
     if (state_.lightsEdited)
         return;
@@ -282,8 +294,8 @@ void Viewer::resetView()
 {
     const scene::Scene& scene = *renderers_->scene();
     arguments_.settings.size = state_.settings.size; // of the picture, which frames the scene
-    const scene::Camera camera = chooseCamera(arguments_, scene);
-    state_.camera.reset(camera, scene.bounds, arguments_.eye || arguments_.target || scene.cameras.empty());
+    const ChosenCamera chosen = chooseCamera(arguments_, scene);
+    state_.camera.reset(chosen.camera, scene.bounds, !chosen.named);
     state_.lights = usualLights();
     if (std::exchange(state_.lightsEdited, false))
         renderers_->setLights(state_.lights);

@@ -9,9 +9,12 @@ layout(push_constant, scalar) uniform Constants { PlanPush push; };
 
 void main()
 {
-    uint marked = push.plan.at.marked;
+    uint marked = min(push.plan.at.marked, push.markCapacity);
+    push.plan.at.marked = marked;
     if (push.plan.at.groups[0] == 0u) {
-        push.plan.at.groups[0] = max((marked + 63u) / 64u, 1u);
+        uvec2 groups = groupRows(marked);
+        push.plan.at.groups[0] = groups.x;
+        push.plan.at.groups[1] = groups.y;
         return;
     }
     uint always = push.plan.at.histogram[kPriorityAlways];

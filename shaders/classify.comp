@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Plan, second step: what is to be done about each marked tile? Derive it from its four children when all are
 // marked; keep it when lighting it again would change too little; else light it, with a priority.
+#include "lib/rows.glsl"
 #include "lib/tiles.glsl"
 #include "shared/shading.h"
 
@@ -25,8 +26,8 @@ bool childrenServe(ObjectAt object, uint mip, uvec2 tile, bool litToo)
         uvec2 child = tile * ratio + uvec2(i & 1u, i >> 1u);
         if (any(greaterThanEqual(child, fine)) || tileEmpty(object, mip - 1u, child))
             continue;
-        TileState state = object.at.tiles.at[tileIndex(object, mip - 1u, child)];
-        if (state.marked != view.frame || (litToo && state.lit == 0u))
+        uint index = tileIndex(object, mip - 1u, child);
+        if (object.at.tiles.at[index].marked != view.frame || (litToo && object.at.tiles.at[index].lit == 0u))
             return false;
     }
     return true;
@@ -45,11 +46,11 @@ bool lightChanged(TileState tile)
 float rateAround(ObjectAt object, uint mip, uvec2 tile)
 {
     ivec2 last = ivec2(tileCount(mipSize(object, mip))) - 1;
-    float rate = max(kLeastRate, rateOf(object.at.tiles.at[tileIndex(object, mip, tile)]));
+    float rate = max(kLeastRate, rateOf(lightState(object, tileIndex(object, mip, tile))));
     ivec2 steps[4] = ivec2[](ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1));
     for (int i = 0; i < 4; ++i) {
         uvec2 beside = uvec2(clamp(ivec2(tile) + steps[i], ivec2(0), last));
-        TileState state = object.at.tiles.at[tileIndex(object, mip, beside)];
+        TileState state = lightState(object, tileIndex(object, mip, beside));
         if (state.lit != 0u)
             rate = max(rate, rateOf(state));
     }
@@ -60,7 +61,7 @@ uint judge(ObjectAt object, uint mip, uvec2 tile)
 {
     if (tileEmpty(object, mip, tile))
         return kVerdictEmpty;
-    TileState state = object.at.tiles.at[tileIndex(object, mip, tile)];
+    TileState state = lightState(object, tileIndex(object, mip, tile));
     // Within a budget the children may have to wait, and something must be shown meanwhile.
     bool waits = state.lit == 0u && push.budgetTiles < ~0u / kTileLumels;
     if (waits && mip == tailMip(object.at.mips))
@@ -82,7 +83,7 @@ uint judge(ObjectAt object, uint mip, uvec2 tile)
 
 void main()
 {
-    uint index = gl_GlobalInvocationID.x;
+    uint index = listIndex();
     if (index >= push.plan.at.marked)
         return;
     Tile tile = push.marks.at[index].tile;

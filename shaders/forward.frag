@@ -16,15 +16,17 @@ layout(location = 0) out vec4 colour;
 void main()
 {
     ObjectAt object = objectAt(push.draw.object);
-    float level = push.draw.level;
-    if (level < 0.0)
-        level = max(footprintOf(dFdx(uv.xy), dFdy(uv.xy), vec2(textureSize(mapNormal, 0)), 1.0).level, 0.0);
-    float opacity = sampleBeside(mapOpacity, uv.xy, level).x;
+    vec4 dx = dFdx(uv), dy = dFdy(uv);
+    vec3 levels = vec3(push.draw.level); // of the reflectance, glow and opacity
+    if (push.draw.level < 0.0)
+        levels = vec3(levelOf(mapNormal, dx.xy, dy.xy, 1.0), levelOf(mapGlow, dx.zw, dy.zw, 1.0),
+                      levelOf(mapOpacity, dx.xy, dy.xy, 1.0));
+    float opacity = textureLod(mapOpacity, uv.xy, max(levels.z, 0.0)).x;
     if (kColoured)
         opacity *= tint.a;
     if ((object.at.flags & kObjectMask) != 0u && opacity < object.at.alphaCutoff)
         discard;
-    MaterialTexel material = sampleMaterial(object, uv, level);
+    MaterialTexel material = sampleMaterial(uv, levels.xy);
     if (kColoured)
         material = tinted(object, material, max(tint.rgb, vec3(0.0)));
     ShadingPoint point = shadingPoint(object, material, positionInWorld, normalInWorld, tangentInWorld);

@@ -14,28 +14,31 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { LightPush push; };
 layout(set = 2, binding = 0, rgba16f) uniform image2DArray lit;
 
-// Where the lumel with barycentric coordinates w reads the material (xy reflectance, zw glow), and at which level.
+// Where the lumel with barycentric coordinates w reads the material (xy reflectance, zw glow), and at which levels of
+// the two.
 struct MaterialPlace {
     vec4 uv;
-    float level;
+    vec2 levels;
 };
 MaterialPlace materialPlace(ObjectAt object, Vertex a, Vertex b, Vertex c, vec3 w, uint level, uvec2 size, vec2 uv)
 {
     // Where lumels coincide with the material's texels, their centres do: no filtering. Finer lumels magnify its
     // level 0.
-    MaterialPlace same = MaterialPlace(vec4(uv, uv), max(float(level) + object.at.materialLevelOffset, 0.0));
+    MaterialPlace same = MaterialPlace(
+        vec4(uv, uv), float(level) + vec2(object.at.materialLevelOffset, object.at.glowLevelOffset));
     // Else the lumel's parallelogram in material UVs, up to twice as long as wide, is what its texel is to cover;
     // both are linear over the triangle.
     vec2 alongB = (b.uv - a.uv) * vec2(size), alongC = (c.uv - a.uv) * vec2(size); // lumels
     float area = alongB.x * alongC.y - alongB.y * alongC.x;
     float inverseArea = abs(area) > 1e-20 ? 1.0 / area : 0.0;
-    vec2 toB = b.materialUv - a.materialUv, toC = c.materialUv - a.materialUv;
-    vec2 dx = (toB * alongC.y - toC * alongB.y) * inverseArea, dy = (toC * alongB.x - toB * alongC.x) * inverseArea;
-    float own = footprintOf(dx, dy, vec2(textureSize(mapNormal, 0)), 2.0).level;
+    vec4 toB = vec4(b.materialUv - a.materialUv, b.glowUv - a.glowUv),
+         toC = vec4(c.materialUv - a.materialUv, c.glowUv - a.glowUv);
+    vec4 dx = (toB * alongC.y - toC * alongB.y) * inverseArea, dy = (toC * alongB.x - toB * alongC.x) * inverseArea;
+    vec2 own = vec2(levelOf(mapNormal, dx.xy, dy.xy, 2.0), levelOf(mapGlow, dx.zw, dy.zw, 2.0));
     vec4 place = vec4(w.x * a.materialUv + w.y * b.materialUv + w.z * c.materialUv,
                       w.x * a.glowUv + w.y * b.glowUv + w.z * c.glowUv);
     bool differ = (object.at.flags & kObjectOwnMaterialUv) != 0u;
-    return MaterialPlace(differ ? place : same.uv, differ ? max(own, 0.0) : same.level);
+    return MaterialPlace(differ ? place : same.uv, differ ? own : same.levels);
 }
 
 // The lumel's point on the surface; uv is its centre's.
@@ -50,7 +53,7 @@ ShadingPoint pointOf(ObjectAt object, uint level, uvec2 lumel, uvec2 size, uint 
     vec3 normal = w.x * a.normal + w.y * b.normal + w.z * c.normal;
     vec3 tangent = w.x * a.tangent.xyz + w.y * b.tangent.xyz + w.z * c.tangent.xyz;
     MaterialPlace place = materialPlace(object, a, b, c, w, level, size, uv);
-    MaterialTexel material = sampleMaterial(object, place.uv, place.level);
+    MaterialTexel material = sampleMaterial(place.uv, place.levels);
     if (kColoured) {
         vec3 colour = vec3(0.0);
         for (uint corner = 0u; corner < 3u; ++corner)
@@ -99,6 +102,6 @@ void lightTile(uint slot)
 void main()
 {
     Job job = push.jobs.at[push.job];
-    for (uint i = gl_WorkGroupID.x; i < job.count; i += gl_NumWorkGroups.x)
+    for (uint i = gl_WorkGroupID.x; i < listed(job); i += gl_NumWorkGroups.x)
         lightTile(job.first + i);
 }

@@ -17,11 +17,6 @@ uint coverageOf(ObjectAt object, uint mip, uvec2 lumel)
     return texelAt(object, object.at.litLevel + mip, lumel) >> kTexelCoverageShift;
 }
 
-TileState stateOf(ObjectAt object, uint mip, uvec2 tile)
-{
-    return object.at.tiles.at[tileIndex(object, mip, tile)];
-}
-
 // rgb: weighted sum of the children's radiance, a: sum of weights. Only children in lit tiles.
 vec4 gather(ObjectAt object, uint mip, uvec2 lumel)
 {
@@ -29,7 +24,7 @@ vec4 gather(ObjectAt object, uint mip, uvec2 lumel)
     uvec2 ratio = fineSize / mipSize(object, mip); // 2, or 1 once an axis has reached one lumel
     uvec2 origin = mipOrigin(mipSize(object, 0u), mip - 1u);
     vec4 sum = vec4(0.0);
-    if (stateOf(object, mip - 1u, lumel * ratio / kTileSize).lit == 0u)
+    if (object.at.tiles.at[tileIndex(object, mip - 1u, lumel * ratio / kTileSize)].lit == 0u)
         return sum;
     for (uint j = 0u; j < ratio.y; ++j)
         for (uint i = 0u; i < ratio.x; ++i) {
@@ -77,7 +72,7 @@ void deriveTile(ObjectAt object, uint mip, uvec2 tile)
         return;
     uint index = tileIndex(object, mip, tile);
     uvec2 ratio = mipSize(object, mip - 1u) / mipSize(object, mip);
-    TileState child = stateOf(object, mip - 1u, tile * ratio);
+    TileState child = lightState(object, tileIndex(object, mip - 1u, tile * ratio));
     bool waited = (object.at.tiles.at[index].derive & kDeriveWaited) != 0u;
     object.at.tiles.at[index].lit = childrenLit(object, mip, tile);
     object.at.tiles.at[index].eye = child.eye;
@@ -93,12 +88,12 @@ void deriveTile(ObjectAt object, uint mip, uvec2 tile)
 void main()
 {
     Job job = push.jobs.at[push.job];
-    for (uint i = gl_WorkGroupID.x; i < job.count; i += gl_NumWorkGroups.x) {
+    for (uint i = gl_WorkGroupID.x; i < listed(job); i += gl_NumWorkGroups.x) {
         Tile tile = push.tiles.at[job.first + i].tile;
         ObjectAt object = objectAt(tile.object);
         uint mip = placeMip(tile.place), last = mip < derivedTail(object.at.mips) ? mip : object.at.mips - 1u;
         for (; mip <= last; ++mip) {
-            uint derive = stateOf(object, mip, placeTile(tile.place)).derive;
+            uint derive = object.at.tiles.at[tileIndex(object, mip, placeTile(tile.place))].derive;
             if ((derive & kDeriveQueued) != 0u && derive >> kDeriveBits == view.frame)
                 deriveTile(object, mip, placeTile(tile.place));
             if (mip < last) {

@@ -4,6 +4,7 @@
 // at the two MIPs that it blends and, as something to fall back on, three MIPs coarser. Every object's tail
 // MIPs are marked too. A tile enters the list the first time it is marked in a frame.
 #include "lib/footprint.glsl"
+#include "lib/rows.glsl"
 #include "lib/tiles.glsl"
 
 layout(local_size_x = 64) in;
@@ -24,6 +25,11 @@ void mark(ObjectAt object, uint objectIndex, uint mip, uvec2 tile, uint frame)
     if (before == frame)
         return;
     uint slot = atomicAdd(push.plan.at.marked, 1u);
+    if (slot >= push.markCapacity) {
+        atomicExchange(object.at.tiles.at[index].marked, before); // no coarser tile may count on its light
+        atomicAdd(push.plan.at.dropped, 1u);
+        return;
+    }
     push.marks.at[slot] = Mark(Tile(objectIndex, packPlace(mip, tile) | (before != 0u && before + 1u == frame ? kPlaceWaited : 0u)), 0u);
 }
 
@@ -58,7 +64,7 @@ void markBlock(ObjectAt object, uint objectIndex, uint mip, vec2 uv, vec2 dx, ve
 
 void main()
 {
-    uint index = gl_GlobalInvocationID.x;
+    uint index = listIndex();
     if (index < push.objectCount && objectAt(index).at.mips > 0u) {
         ObjectAt object = objectAt(index);
         for (uint mip = tailMip(object.at.mips); mip < object.at.mips; ++mip) {

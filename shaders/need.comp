@@ -3,12 +3,15 @@
 // Need pass, second half: the finest level that any sample of each object needs, and how long footprints are.
 #include "lib/footprint.glsl"
 #include "lib/interface.glsl"
+#include "lib/rows.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { NeedPush push; };
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D seen;
 
-shared uint elongations[kElongations];
+// One longer than NeedTotal's: glslang would give a workgroup's variable the array's explicit layout
+// (VUID-StandaloneSpirv-None-10684).
+shared uint elongations[kElongations + 1u];
 
 void count(uvec4 sight)
 {
@@ -37,13 +40,16 @@ void main()
     if (local < kElongations)
         elongations[local] = 0u;
     barrier();
-    uint index = gl_GlobalInvocationID.x;
+    uint index = listIndex();
     if (index < push.size.x * push.size.y) {
         uvec4 sight = imageLoad(seen, ivec2(index % push.size.x, index / push.size.x));
         if (sight.x != 0u)
             count(sight);
     }
     barrier();
-    if (local < kElongations && elongations[local] > 0u)
-        atomicAdd(push.total.at.elongations[local], elongations[local]);
+    if (local < kElongations && elongations[local] > 0u) {
+        uint before = atomicAdd(push.total.at.elongations[local], elongations[local]);
+        if (before + elongations[local] < before)
+            atomicAdd(push.total.at.carries[local], 1u);
+    }
 }

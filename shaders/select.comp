@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Plan, last step: the tiles to light and to derive enter the lists of their jobs.
 #include "lib/geometry.glsl"
+#include "lib/rows.glsl"
 #include "lib/tiles.glsl"
 #include "shared/shading.h"
 
@@ -18,10 +19,15 @@ float chance(Tile tile, uint frame)
     return float((x ^ (x >> 16u)) >> 8u) / 16777216.0;
 }
 
-// Returns the tile's place in the list.
+// Returns the tile's place in the list, kNoRoom when that is full.
+const uint kNoRoom = ~0u;
 uint append(uint job, Tile tile)
 {
     uint slot = atomicAdd(push.jobs.at[job].count, 1u);
+    if (slot >= push.jobs.at[job].capacity) {
+        atomicAdd(push.plan.at.dropped, 1u);
+        return kNoRoom;
+    }
     if (slot < kMaxJobGroups)
         atomicMax(push.jobs.at[job].groups[0], slot + 1u);
     slot += push.jobs.at[job].first;
@@ -94,24 +100,24 @@ void queueDerived(ObjectAt object, uint objectIndex, uint mip, uvec2 tile)
     }
 }
 
-// The tile is about to be lit: notes from where, and which lights reach it.
+// The tile is about to be lit: notes from where, and which lights reach it. Member by member: other invocations
+// may be changing `derive`.
 void prepare(ObjectAt object, Tile tile, uint slot)
 {
     uint index = tileIndex(object, placeMip(tile.place), placeTile(tile.place));
-    TileState state = object.at.tiles.at[index];
+    TileState state = lightState(object, index);
     vec4 ball = ballOf(object, placeMip(tile.place), placeTile(tile.place));
     bool known = state.lit != 0u;
     if (known)
-        state.rate = rateOf(state);
-    state.turned = known ? max(turnedSince(state, view.eyeInWorld), 1e-6) : 0.0;
-    state.change = 0u;
-    state.eye = view.eyeInWorld;
-    state.centre = ball.xyz;
-    state.radius = ball.w;
-    state.lit = view.frame;
+        object.at.tiles.at[index].rate = rateOf(state);
+    object.at.tiles.at[index].turned = known ? max(turnedSince(state, view.eyeInWorld), 1e-6) : 0.0;
+    object.at.tiles.at[index].change = 0u;
+    object.at.tiles.at[index].eye = view.eyeInWorld;
+    object.at.tiles.at[index].centre = ball.xyz;
+    object.at.tiles.at[index].radius = ball.w;
+    object.at.tiles.at[index].lit = view.frame;
     if (state.shown == 0u)
-        state.shown = (tile.place & kPlaceWaited) != 0u ? view.frame : kShownAtOnce;
-    object.at.tiles.at[index] = state;
+        object.at.tiles.at[index].shown = (tile.place & kPlaceWaited) != 0u ? view.frame : kShownAtOnce;
     for (uint word = 0u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word) {
         uint bits = 0u;
         for (uint i = 0u; i < min(view.lightCount - 32u * word, 32u); ++i)
@@ -122,7 +128,7 @@ void prepare(ObjectAt object, Tile tile, uint slot)
 
 void main()
 {
-    uint index = gl_GlobalInvocationID.x;
+    uint index = listIndex();
     if (index >= push.plan.at.marked)
         return;
     Mark mark = push.marks.at[index];
@@ -142,8 +148,9 @@ void main()
         uint threshold = push.plan.at.threshold;
         bool chosen = mark.verdict > threshold ||
                       (mark.verdict == threshold && chance(mark.tile, view.frame) < push.plan.at.share);
-        if (chosen) {
-            prepare(object, mark.tile, append(object.at.lightJob, mark.tile));
+        uint slot = chosen ? append(object.at.lightJob, mark.tile) : kNoRoom;
+        if (slot != kNoRoom) {
+            prepare(object, mark.tile, slot);
             uvec2 ratio = mipSize(object, mip) / max(mipSize(object, mip) >> 1u, uvec2(1u));
             queueDerived(object, mark.tile.object, mip + 1u, tile / ratio);
             atomicAdd(push.plan.at.tilesLit, 1u);

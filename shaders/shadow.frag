@@ -10,8 +10,8 @@ layout(location = 1) in float tintOpacity;
 
 void main()
 {
-    float level = footprintOf(dFdx(materialUv), dFdy(materialUv), vec2(textureSize(mapNormal, 0)), 1.0).level;
-    float opacity = sampleBeside(mapOpacity, materialUv, max(level, 0.0)).x;
+    float level = levelOf(mapOpacity, dFdx(materialUv), dFdy(materialUv), 1.0);
+    float opacity = textureLod(mapOpacity, materialUv, max(level, 0.0)).x;
     if (kColoured)
         opacity *= tintOpacity;
     if (opacity < objectAt(push.object).at.alphaCutoff)

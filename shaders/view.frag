@@ -62,9 +62,9 @@ vec3 lobeView(MaterialTexel material)
 void main()
 {
     ObjectAt object = objectAt(push.draw.object);
-    Footprint material = footprintOf(dFdx(materialUv.xy), dFdy(materialUv.xy), vec2(textureSize(mapNormal, 0)), 1.0);
+    float level = max(levelOf(mapNormal, dFdx(materialUv.xy), dFdy(materialUv.xy), 1.0), 0.0);
     Footprint lit = footprintOf(dFdx(uv), dFdy(uv), vec2(object.at.litSize), view.anisotropy);
-    MaterialTexel texel = sampleMaterial(object, materialUv, max(material.level, 0.0));
+    MaterialTexel texel = sampleMaterial(materialUv, vec2(level));
     bool inTextureSpace = object.at.mips > 0u;
     vec3 shown = vec3(0.0);
     if (push.kind == kViewMode) // green: texture space, red: forward
@@ -80,7 +80,7 @@ void main()
     else if (push.kind == kViewSpecular)
         shown = texel.specular;
     else if (push.kind == kViewError)
-        shown = heat(textureLod(mapDiffuse, materialUv.xy, max(material.level, 0.0)).w / 0.25);
+        shown = heat(textureLod(mapDiffuse, materialUv.xy, level).w / 0.25);
     else if (push.kind == kViewPower || push.kind == kViewAnisotropy)
         shown = lobeView(texel);
     else

@@ -5,7 +5,6 @@
 #include "image.h"
 #include <cstring>
 #include <fmt/format.h>
-#include <istream>
 #include <map>
 
 namespace lumel {
@@ -15,40 +14,44 @@ constexpr size_t kMaxTileTexels = size_t(1) << 22;
 
 class HeaderCheck {
 public:
-    HeaderCheck(std::istream& stream, size_t size, const std::string& name)
-        : stream_(stream), size_(size), name_(name)
-    {
-    }
+    explicit HeaderCheck(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
     void run()
     {
         constexpr uint32_t kMagic = 20000630, kMultiPart = 0x1000;
         uint32_t start[2] = {};
-        if (!read(start, sizeof start) || start[0] != kMagic)
-            return;
+        read(start, sizeof start);
+        if (start[0] != kMagic)
+            fail();
         do {
             while (readAttribute()) {
             }
-        } while ((start[1] & kMultiPart) && stream_.peek() > 0);
+        } while ((start[1] & kMultiPart) && at_ < bytes_.size() && bytes_[at_] != std::byte(0));
     }
 
 private:
-    [[noreturn]] void fail() const
+    [[noreturn]] static void fail() { throw Error("damaged EXR header; export it again"); }
+
+    void read(void* to, size_t count)
     {
-        throw Error(fmt::format("{}: damaged EXR header; export it again", name_));
+        const size_t from = at_;
+        skip(count);
+        std::memcpy(to, bytes_.data() + from, count);
     }
 
-    bool read(void* to, size_t count)
+    void skip(size_t count)
     {
-        return bool(stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(count)));
+        if (count > bytes_.size() - at_)
+            fail();
+        at_ += count;
     }
 
     std::string readName()
     {
         constexpr size_t kLongest = 256; // with the final 0
         std::string text;
-        for (int c = stream_.get(); c > 0; c = stream_.get()) {
-            text += char(c);
+        for (char c = 0; read(&c, 1), c != 0;) {
+            text += c;
             if (text.size() > kLongest)
                 fail();
         }
@@ -59,24 +62,21 @@ private:
     bool readAttribute()
     {
         const std::string attribute = readName();
-        if (!stream_)
-            fail();
         if (attribute.empty())
             return false;
         const std::string type = readName();
         uint32_t size = 0;
-        if (!read(&size, sizeof size))
-            fail();
-        const size_t at = size_t(stream_.tellg());
-        if (at > size_ || size > size_ - at)
+        read(&size, sizeof size);
+        const size_t at = at_;
+        if (size > bytes_.size() - at)
             fail();
         checkSize(type, at, size);
-        stream_.seekg(std::streamoff(at));
+        at_ = at;
         if (attribute == "tiles")
             checkTiles(size);
         else if (attribute == "dataWindow")
             checkWindow(size);
-        stream_.seekg(std::streamoff(at + size));
+        at_ = at + size;
         return true;
     }
 
@@ -118,41 +118,42 @@ private:
             skipPreview(size);
         else
             return;
-        if (!stream_ || size_t(stream_.tellg()) != at + size)
+        if (at_ != at + size)
             fail();
     }
 
     void skipChannels()
     {
-        constexpr std::streamoff kChannelBytes = 16;
-        while (stream_ && !readName().empty())
-            stream_.seekg(kChannelBytes, std::ios::cur);
+        constexpr size_t kChannelBytes = 16;
+        while (!readName().empty())
+            skip(kChannelBytes);
     }
 
     void skipStrings(size_t end)
     {
-        while (stream_ && size_t(stream_.tellg()) < end) {
+        while (at_ < end) {
             uint32_t length = 0;
-            if (!read(&length, sizeof length) || length > end)
-                fail();
-            stream_.seekg(std::streamoff(length), std::ios::cur);
+            read(&length, sizeof length);
+            skip(length);
         }
     }
 
     void skipPreview(uint32_t size)
     {
         uint32_t extent[2] = {};
-        if (!read(extent, sizeof extent) ||
-            uint64_t(extent[0]) * extent[1] * 4 != uint64_t(size) - sizeof extent)
+        read(extent, sizeof extent);
+        const uint64_t pixels = uint64_t(extent[0]) * extent[1];
+        if (size < sizeof extent || pixels > size || 4 * pixels != size - sizeof extent)
             fail();
-        stream_.seekg(std::streamoff(size - sizeof extent), std::ios::cur);
+        skip(size - sizeof extent);
     }
 
     void checkTiles(uint32_t size)
     {
         uint32_t tile[2] = {};
-        if (size < sizeof tile || !read(tile, sizeof tile))
+        if (size < sizeof tile)
             fail();
+        read(tile, sizeof tile);
         if (size_t(tile[0]) * size_t(tile[1]) > kMaxTileTexels)
             fail();
     }
@@ -160,24 +161,24 @@ private:
     void checkWindow(uint32_t size)
     {
         int32_t box[4] = {}; // first and last column and row
-        if (size < sizeof box || !read(box, sizeof box))
+        if (size < sizeof box)
             fail();
+        read(box, sizeof box);
         const int64_t width = int64_t(box[2]) - box[0] + 1, height = int64_t(box[3]) - box[1] + 1;
         if (width < 1 || height < 1)
             fail();
-        checkImageSize(size_t(width), size_t(height), 1, size_, name_);
+        checkImageSize(size_t(width), size_t(height), 1, bytes_.size());
     }
 
-    std::istream& stream_;
-    size_t size_;
-    const std::string& name_;
+    std::span<const std::byte> bytes_;
+    size_t at_ = 0; // never past the end
 };
 
 } // namespace
 
-void checkExrHeader(std::istream& stream, size_t size, const std::string& name)
+void checkExrHeader(std::span<const std::byte> bytes)
 {
-    HeaderCheck(stream, size, name).run();
+    HeaderCheck(bytes).run();
 }
 
 } // namespace lumel

@@ -1,17 +1,17 @@
 #include "image.h"
+#include "decoder_process.h"
 #include "error.h"
-#include "exr_header.h"
 #include "file.h"
 #include "shared/tonemap.h"
-#include "webp.h"
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
+#include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fcntl.h>
 #include <fmt/format.h>
-#include <fstream>
-#include <sstream>
 
 namespace lumel {
 namespace {
@@ -22,51 +22,36 @@ std::string firstLine(std::string text)
     return text.substr(0, text.find('\n'));
 }
 
-// glTF's colours are not multiplied by their alpha, and normal or roughness maps with a fourth channel
-// even less; OpenImageIO's readers and writers would do it.
-OIIO::ImageSpec asStored()
+ImageFile readAny(Descriptor file, const DecodeRequest& request, const std::string& name)
 {
-    OIIO::ImageSpec config;
-    config.attribute("oiio:UnassociatedAlpha", 1);
-    return config;
+    try {
+        ImageFile result;
+        SampleType type = SampleType::f32;
+        const auto makeRoom = [&](const DecodedShape& shape) {
+            type = shape.type;
+            result = {.levels = {},
+                      .width = shape.width,
+                      .height = shape.height,
+                      .isFloat = type == SampleType::f32,
+                      .channelNames = shape.channelNames,
+                      .attributes = shape.attributes};
+            for (int level = 0; level < shape.levels && request.part != ImagePart::header; ++level)
+                result.levels.emplace_back(std::max(1, shape.width >> level),
+                                           std::max(1, shape.height >> level), shape.channels);
+        };
+        const Mapping pixels = decodeElsewhere(std::move(file), request, makeRoom);
+        const std::byte* from = pixels.bytes().data();
+        for (Image& image : result.levels) {
+            toFloats(from, type, image.pixels);
+            from += image.pixels.size() * bytesOf(type);
+        }
+        return result;
+    } catch (const Error& e) { // where it is decoded, it has no name
+        throw Error(fmt::format("{}: {}", name, e.what()));
+    }
 }
 
-Image readOpened(OIIO::ImageInput& input, const std::string& name, size_t encodedBytes,
-                 size_t mostPixels = kMaxImagePixels)
-{
-    const OIIO::ImageSpec& spec = input.spec();
-    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1)
-        throw Error(fmt::format("{}: not a 2D image; export it as PNG, JPEG, TIFF or EXR", name));
-    if (spec.nchannels > 64)
-        throw Error(fmt::format("{}: {} channels, at most 64 are read; export fewer", name, spec.nchannels));
-    checkImageSize(size_t(spec.width), size_t(spec.height), size_t(spec.nchannels), encodedBytes, name);
-    if (size_t(spec.width) * size_t(spec.height) > mostPixels)
-        throw Error(fmt::format("{}: {} x {} pixels are more than {}; scale it down", name, spec.width,
-                                spec.height, mostPixels));
-    Image image(spec.width, spec.height, spec.nchannels);
-    if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
-        throw Error(
-            fmt::format("{}: damaged image ({}); export it again", name, firstLine(input.geterror())));
-    return image;
-}
-
-} // namespace
-
-void checkImageSize(size_t width, size_t height, size_t channels, size_t encodedBytes,
-                    const std::string& name)
-{
-    constexpr size_t kFewPixels = size_t(4096) * 4096, kMaxPixelsPerByte = 16384;
-    const size_t pixels = width * height; // each at most 2^31
-    if (pixels > kMaxImagePixels || pixels * channels > 4 * kMaxImagePixels)
-        throw Error(fmt::format("{}: {} x {} pixels of {} channels exceed the limit of 16384 x 16384 of 4; "
-                                "scale it down",
-                                name, width, height, channels));
-    if (pixels > kFewPixels && pixels / kMaxPixelsPerByte > encodedBytes)
-        throw Error(fmt::format("{}: {} x {} pixels cannot be in {} bytes; export it again", name, width,
-                                height, encodedBytes));
-}
-
-Image readImage(const std::filesystem::path& file, size_t mostPixels)
+Descriptor openImage(const std::filesystem::path& file)
 {
     const std::string name = file.string();
     std::error_code code;
@@ -75,46 +60,63 @@ Image readImage(const std::filesystem::path& file, size_t mostPixels)
         throw Error(fmt::format("{}: no such file; check the path", name));
     if (std::filesystem::is_directory(status))
         throw Error(fmt::format("{}: is a folder; name an image file in it", name));
-    if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, code) == 0)
+    if (!std::filesystem::is_regular_file(status))
+        throw Error(fmt::format("{}: not a regular file; name an image file", name));
+    if (std::filesystem::file_size(file, code) == 0)
         throw Error(fmt::format("{}: empty file (0 bytes); export it again", name));
-    if (file.extension() == ".webp")
-        return readImage(readFile(file), name);
-    if (std::ifstream stream(file, std::ios::binary); std::filesystem::is_regular_file(status))
-        checkExrHeader(stream, size_t(std::filesystem::file_size(file, code)), name);
-    const OIIO::ImageSpec config = asStored();
-    auto input = OIIO::ImageInput::open(name, &config);
-    if (!input) {
-        const std::string why = firstLine(OIIO::geterror());
-        throw Error(fmt::format("{}: cannot be read as an image{}; use PNG, JPEG, TIFF or EXR", name,
-                                why.empty() ? "" : " (" + why + ")"));
-    }
-    return readOpened(*input, name, size_t(std::filesystem::file_size(file, code)), mostPixels);
+    Descriptor opened(open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    if (opened.get() < 0)
+        throw Error(
+            fmt::format("{}: cannot be read ({}); check its permissions", name, std::strerror(errno)));
+    return opened;
 }
 
-Image readImage(std::span<const std::byte> bytes, const std::string& name)
+ImageFile readFrom(const std::filesystem::path& file, DecodeRequest request)
+{
+    std::string ending = file.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    request.namedTga = ending == ".tga";
+    return readAny(openImage(file), request, file.string());
+}
+
+} // namespace
+
+void checkImageSize(size_t width, size_t height, size_t channels, size_t encodedBytes)
+{
+    constexpr size_t kFewPixels = size_t(4096) * 4096, kMaxPixelsPerByte = 16384;
+    const size_t pixels = width * height; // each at most 2^31
+    if (pixels > kMaxImagePixels || pixels * channels > 4 * kMaxImagePixels)
+        throw Error(fmt::format("{} x {} pixels of {} channels exceed the limit of 16384 x 16384 of 4; "
+                                "scale it down",
+                                width, height, channels));
+    if (pixels > kFewPixels && pixels / kMaxPixelsPerByte > encodedBytes)
+        throw Error(fmt::format("{} x {} pixels cannot be in {} bytes; export it again", width, height,
+                                encodedBytes));
+}
+
+Image readImage(const std::filesystem::path& file, size_t mostPixels)
+{
+    return std::move(readFrom(file, {.mostPixels = mostPixels}).levels.front());
+}
+
+Image readImage(std::span<const std::byte> bytes, const std::string& name, ImageFormats formats)
 {
     if (bytes.empty())
         throw Error(fmt::format("{}: empty image; export it again", name));
-    if (isWebp(bytes))
-        return readWebp(bytes, name);
-    if (bytes.size() > 4 && std::memcmp(bytes.data(), "\x76\x2f\x31\x01", 4) == 0) { // OpenEXR's magic number
-        std::istringstream stream(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-        checkExrHeader(stream, bytes.size(), name);
-    }
-    // The format is told by content, so the name's extension does not matter.
-    OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
-    for (const char* format : {"png", "jpeg", "openexr", "tiff", "tga"}) {
-        auto input = OIIO::ImageInput::create(format);
-        if (!input || !input->supports("ioproxy") || !input->set_ioproxy(&reader))
-            continue;
-        OIIO::ImageSpec spec;
-        reader.seek(0);
-        if (input->open(name, spec, asStored()))
-            return readOpened(*input, name, bytes.size());
-        (void)input->geterror();
-    }
-    (void)OIIO::geterror();
-    throw Error(fmt::format("{}: not a PNG, JPEG, WebP, EXR, TIFF or TGA image; convert it to PNG", name));
+    return std::move(readAny(memoryFile(bytes), {.formats = formats}, name).levels.front());
+}
+
+ImageFile readExrHeader(const std::filesystem::path& file)
+{
+    return readFrom(file, {.part = ImagePart::header, .formats = formatBit(ImageFormat::exr)});
+}
+
+ImageFile readExrLevels(const std::filesystem::path& file, size_t mostPixelsPerByte)
+{
+    return readFrom(file, {.part = ImagePart::allLevels,
+                           .formats = formatBit(ImageFormat::exr),
+                           .mostPixelsPerByte = mostPixelsPerByte});
 }
 
 void writeImage(const std::filesystem::path& file, const Image& image)

@@ -31,6 +31,12 @@ bool interrupted()
     return signalled != 0;
 }
 
+void checkInterrupted()
+{
+    if (interrupted() || (threadMonitor && threadMonitor->cancelled))
+        throw Interrupted();
+}
+
 void ProgressMonitor::set(const std::string& label, size_t done, size_t total)
 {
     const std::lock_guard lock(mutex_);

@@ -1,13 +1,17 @@
 // WebP by libwebp itself: OpenImageIO 2.4 multiplies colours by alpha whatever it is told, and allocates the
 // picture before anyone can look at its size.
 #pragma once
-#include "image.h"
+#include <cstddef>
+#include <span>
 
 namespace lumel {
 
-bool isWebp(std::span<const std::byte> bytes);
+struct WebpSize {
+    int width = 0, height = 0, channels = 0; // 3, or 4 with alpha
+};
 
-// Throws Error, naming it `name`, for what is damaged, animated or too large.
-Image readWebp(std::span<const std::byte> bytes, const std::string& name);
+// Both throw Error for what is damaged or animated. The second writes 8-bit samples, row by row.
+WebpSize readWebpSize(std::span<const std::byte> bytes);
+void readWebp(std::span<const std::byte> bytes, const WebpSize& size, std::byte* pixels);
 
 } // namespace lumel

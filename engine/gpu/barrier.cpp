@@ -24,8 +24,6 @@ UseMasks masksOf(Use use)
                 Layout::eGeneral};
     case Use::computeSample:
         return {Stage::eComputeShader, Access::eShaderSampledRead, Layout::eShaderReadOnlyOptimal};
-    case Use::fragmentSample:
-        return {Stage::eFragmentShader, Access::eShaderSampledRead, Layout::eShaderReadOnlyOptimal};
     case Use::shaderSample:
         return {Stage::eComputeShader | Stage::eFragmentShader, Access::eShaderSampledRead,
                 Layout::eShaderReadOnlyOptimal};

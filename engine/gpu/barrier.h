@@ -11,9 +11,8 @@ enum class Use {
     computeRead, // storage image or buffer
     computeWrite,
     computeReadWrite,
-    computeSample,  // sampled image
-    fragmentSample, // sampled image
-    shaderSample,   // sampled image, by compute and fragment shaders
+    computeSample, // sampled image
+    shaderSample,  // sampled image, by compute and fragment shaders
     colorWrite,
     depthWrite,
     hostRead,

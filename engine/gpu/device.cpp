@@ -1,8 +1,11 @@
 #include "device.h"
 #include "core/error.h"
+#include "drivers.h"
+#include "expected_messages.h"
 #include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 namespace lumel::gpu {
@@ -11,35 +14,19 @@ namespace {
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
-                                         VkDebugUtilsMessageTypeFlagsEXT types,
+                                         VkDebugUtilsMessageTypeFlagsEXT,
                                          const VkDebugUtilsMessengerCallbackDataEXT* data, void* user)
 {
-    // Advice about speed that we do not follow: lit textures stay in the general layout, because light,
-    // lower, copies and draw take turns on parts of one image.
-    constexpr int32_t kGeneralLayout = 0x4dae5635;
-    if (types == VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT && data->messageIdNumber == kGeneralLayout)
+    const std::string_view id = data->pMessageIdName ? data->pMessageIdName : "";
+    if (isExpected(id, data->pMessage))
         return VK_FALSE;
     auto& log = *static_cast<ValidationLog*>(user);
     const std::lock_guard lock(log.mutex);
     log.messages.emplace_back(data->pMessage);
     spdlog::log(severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT ? spdlog::level::err
                                                                           : spdlog::level::warn,
-                "vulkan: {}", data->pMessage);
+                "vulkan: {}: {}", id, data->pMessage);
     return VK_FALSE;
-}
-
-int preference(vk::PhysicalDeviceType type)
-{
-    switch (type) {
-    case vk::PhysicalDeviceType::eDiscreteGpu:
-        return 0;
-    case vk::PhysicalDeviceType::eIntegratedGpu:
-        return 1;
-    case vk::PhysicalDeviceType::eVirtualGpu:
-        return 2;
-    default:
-        return 3;
-    }
 }
 
 // The first feature that the device lacks, empty when it has all.
@@ -50,8 +37,6 @@ std::string missingFeature(const vk::raii::PhysicalDevice& device)
     const auto& f12 = features.get<vk::PhysicalDeviceVulkan12Features>();
     const auto& f13 = features.get<vk::PhysicalDeviceVulkan13Features>();
     const auto& f10 = features.get<vk::PhysicalDeviceFeatures2>().features;
-    if (!f10.shaderInt64)
-        return "shaderInt64";
     if (!f10.shaderStorageImageWriteWithoutFormat)
         return "shaderStorageImageWriteWithoutFormat";
     if (!f12.scalarBlockLayout)
@@ -67,16 +52,41 @@ std::string missingFeature(const vk::raii::PhysicalDevice& device)
     return {};
 }
 
+// One that draws and computes.
+std::optional<uint32_t> queueFamilyOf(const vk::raii::PhysicalDevice& device)
+{
+    const auto families = device.getQueueFamilyProperties();
+    const auto needed = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
+    for (uint32_t i = 0; i < families.size(); ++i)
+        if ((families[i].queueFlags & needed) == needed)
+            return i;
+    return {};
+}
+
+// Empty when the device can be used.
+std::string whyUnusable(const vk::raii::PhysicalDevice& device, const Demands& demands)
+{
+    const auto properties = device.getProperties();
+    std::string missing = properties.apiVersion < VK_API_VERSION_1_3 ? "Vulkan 1.3" : missingFeature(device);
+    const std::optional<uint32_t> family = queueFamilyOf(device);
+    if (missing.empty() && !family)
+        missing = "a queue that draws and computes";
+    if (!missing.empty())
+        return fmt::format("{} lacks {}", properties.deviceName.data(), missing);
+    return fmt::format("{}", fmt::join(unmet(limitsOf(device, *family, demands), demands), ", "));
+}
+
 } // namespace
 
 std::vector<std::string> deviceNames()
 {
+    findDrivers();
     const vk::raii::Context context;
     const vk::ApplicationInfo application{.pApplicationName = "lumel", .apiVersion = VK_API_VERSION_1_3};
     std::vector<std::string> names;
     try {
         const vk::raii::Instance instance(context, vk::InstanceCreateInfo{.pApplicationInfo = &application});
-        for (const auto& device : vk::raii::PhysicalDevices(instance))
+        for (const auto& device : devicesOf(instance))
             names.emplace_back(device.getProperties().deviceName.data());
     } catch (const vk::SystemError&) { // no driver
     }
@@ -87,7 +97,7 @@ Device::Device(const DeviceOptions& options)
     : validation_(options.validation), windowExtensions_(options.windowExtensions)
 {
     createInstance();
-    choosePhysical(options.device);
+    choosePhysical(options);
     createDevice();
 }
 
@@ -99,6 +109,7 @@ Device::~Device()
 
 void Device::createInstance()
 {
+    findDrivers();
     const vk::ApplicationInfo application{.pApplicationName = "lumel", .apiVersion = VK_API_VERSION_1_3};
     std::vector<const char*> layers, extensions;
     if (validation_) {
@@ -135,45 +146,33 @@ void Device::createInstance()
     }
 }
 
-void Device::choosePhysical(const std::string& wanted)
+void Device::choosePhysical(const DeviceOptions& options)
 {
-    vk::raii::PhysicalDevices devices = nullptr;
-    try {
-        devices = vk::raii::PhysicalDevices(instance_);
-    } catch (const vk::SystemError&) {
-    }
+    const std::string& wanted = options.device;
+    std::vector<vk::raii::PhysicalDevice> devices = devicesOf(instance_);
     if (devices.empty())
         throw Error("Vulkan: no device; install a driver, for example mesa-vulkan-drivers");
-    std::vector<size_t> order(devices.size());
-    for (size_t i = 0; i < order.size(); ++i)
-        order[i] = i;
-    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-        return preference(devices[a].getProperties().deviceType) <
-               preference(devices[b].getProperties().deviceType);
-    });
     size_t index = devices.size();
     const auto parsed = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
     const bool byIndex =
         !wanted.empty() && parsed.ec == std::errc() && parsed.ptr == wanted.data() + wanted.size();
     std::string reasons;
-    for (const size_t i : order) {
-        const auto properties = devices[i].getProperties();
-        const std::string name = properties.deviceName.data();
-        if (byIndex ? i != index : name.find(wanted) == std::string::npos)
+    for (size_t i = 0; i < devices.size() && !*physical_; ++i) {
+        if (byIndex ? i != index : !isNamed(devices[i], wanted))
             continue;
-        std::string missing =
-            properties.apiVersion < VK_API_VERSION_1_3 ? "Vulkan 1.3" : missingFeature(devices[i]);
-        if (missing.empty()) {
+        const std::string reason = whyUnusable(devices[i], options.demands);
+        if (reason.empty())
             physical_ = std::move(devices[i]);
-            properties_ = properties;
-            break;
-        }
-        reasons += fmt::format(" ({} lacks {})", name, missing);
+        else
+            reasons += fmt::format(" ({})", reason);
     }
     if (!*physical_)
         throw Error(
             fmt::format("Vulkan: no usable device{}{}; update the driver or choose another with --device",
                         wanted.empty() ? "" : " named " + wanted, reasons));
+    properties_ = physical_.getProperties();
+    queueFamily_ = *queueFamilyOf(physical_);
+    limits_ = limitsOf(physical_, queueFamily_, options.demands);
     memory_ = physical_.getMemoryProperties();
     const auto chain =
         physical_.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
@@ -183,14 +182,6 @@ void Device::choosePhysical(const std::string& wanted)
 
 void Device::createDevice()
 {
-    const auto families = physical_.getQueueFamilyProperties();
-    const auto needed = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
-    const auto family = std::find_if(families.begin(), families.end(),
-                                     [&](const auto& f) { return (f.queueFlags & needed) == needed; });
-    if (family == families.end())
-        throw Error("Vulkan: the device has no graphics queue; choose another with --device");
-    queueFamily_ = uint32_t(family - families.begin());
-
     const float priority = 1.0f;
     const char* swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
     const vk::DeviceQueueCreateInfo queue{
@@ -201,7 +192,7 @@ void Device::createDevice()
               .pQueueCreateInfos = &queue,
               .enabledExtensionCount = windowExtensions_.empty() ? 0u : 1u,
               .ppEnabledExtensionNames = &swapchain},
-             {.features = {.shaderStorageImageWriteWithoutFormat = VK_TRUE, .shaderInt64 = VK_TRUE}},
+             {.features = {.shaderStorageImageWriteWithoutFormat = VK_TRUE}},
              {.scalarBlockLayout = VK_TRUE, .bufferDeviceAddress = VK_TRUE},
              {.synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE, .maintenance4 = VK_TRUE});
     device_ = vk::raii::Device(physical_, info.get<vk::DeviceCreateInfo>());
@@ -227,25 +218,31 @@ std::vector<std::string> Device::validationMessages() const
     return validationLog_->messages;
 }
 
-vk::raii::DeviceMemory Device::allocate(const vk::MemoryRequirements& requirements,
-                                        vk::MemoryPropertyFlags wanted, bool deviceAddress) const
+Memory Device::allocate(const vk::MemoryRequirements& requirements, vk::MemoryPropertyFlags wanted,
+                        const std::string& remedy, bool deviceAddress) const
 {
+    const auto problems = unmet(limits_, requirements.size, allocations_ + 1, remedy);
+    if (!problems.empty())
+        throw Error("Vulkan: " + problems.front());
     for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
         const bool fits = requirements.memoryTypeBits & (1u << i);
         if (!fits || (memory_.memoryTypes[i].propertyFlags & wanted) != wanted)
             continue;
         const vk::MemoryAllocateFlagsInfo flags{.flags = vk::MemoryAllocateFlagBits::eDeviceAddress};
         try {
-            return {device_,
-                    {.pNext = deviceAddress ? &flags : nullptr,
-                     .allocationSize = requirements.size,
-                     .memoryTypeIndex = i}};
+            Memory memory{.handle = {device_,
+                                     {.pNext = deviceAddress ? &flags : nullptr,
+                                      .allocationSize = requirements.size,
+                                      .memoryTypeIndex = i}}};
+            ++allocations_;
+            memory.counted.reset(&allocations_);
+            return memory;
         } catch (const vk::OutOfDeviceMemoryError&) {
-        } catch (const vk::OutOfHostMemoryError&) {
+        } catch (const vk::OutOfHostMemoryError&) { // software devices
         }
     }
-    throw Error(fmt::format("Vulkan: {} MiB of device memory are not to be had; lower --size or --pool-mb",
-                            requirements.size >> 20));
+    throw Error(fmt::format("Vulkan: {} MiB of device memory are not to be had; {}", requirements.size >> 20,
+                            remedy));
 }
 
 void Device::submitAndWait(vk::CommandBuffer commands) const

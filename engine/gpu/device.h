@@ -1,5 +1,7 @@
 // The Vulkan device that everything runs on: instance, queue, memory, one-time commands.
 #pragma once
+#include "limits.h"
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -11,15 +13,24 @@
 namespace lumel::gpu {
 
 struct DeviceOptions {
-    std::string
-        device; // index or part of the name; empty = the first discrete, integrated, then software one
+    std::string device{}; // index, or part of its or its driver's name; empty = the first that serves
     bool validation = false;
+    Demands demands{}; // beyond the features that every device must have
     // To present to a window: the instance extensions that its system asks for; empty = no window.
     std::vector<std::string> windowExtensions{};
 };
 
 // Names of all Vulkan devices, in the order of their indices.
 std::vector<std::string> deviceNames();
+
+// Device memory, counted while it lives: drivers limit the number of allocations.
+struct Memory {
+    struct GiveBack {
+        void operator()(std::atomic<uint32_t>* count) const { --*count; }
+    };
+    vk::raii::DeviceMemory handle = nullptr;
+    std::unique_ptr<std::atomic<uint32_t>, GiveBack> counted{};
+};
 
 // Validation messages, collected while the device lives; tests fail on any.
 struct ValidationLog {
@@ -43,11 +54,13 @@ public:
     const vk::raii::CommandPool& commandPool() const { return commandPool_; }
     const vk::raii::DescriptorPool& descriptorPool() const { return descriptorPool_; }
     const vk::PhysicalDeviceProperties& properties() const { return properties_; }
+    const Limits& limits() const { return limits_; }
     std::string driver() const { return driver_; }
     std::vector<std::string> validationMessages() const;
 
-    vk::raii::DeviceMemory allocate(const vk::MemoryRequirements& requirements,
-                                    vk::MemoryPropertyFlags wanted, bool deviceAddress = false) const;
+    // Throws Error with the remedy when there is no such memory.
+    Memory allocate(const vk::MemoryRequirements& requirements, vk::MemoryPropertyFlags wanted,
+                    const std::string& remedy, bool deviceAddress = false) const;
 
     // Records, submits and waits. For uploads and readbacks, not for frames.
     void runOnce(const std::function<void(vk::CommandBuffer)>& record) const;
@@ -79,6 +92,7 @@ private:
     vk::raii::PhysicalDevice physical_ = nullptr;
     vk::PhysicalDeviceProperties properties_;
     vk::PhysicalDeviceMemoryProperties memory_;
+    Limits limits_;
     std::string driver_;
     uint32_t queueFamily_ = 0;
     vk::raii::Device device_ = nullptr;
@@ -86,9 +100,10 @@ private:
     vk::raii::CommandPool commandPool_ = nullptr;
     vk::raii::DescriptorPool descriptorPool_ = nullptr;
     vk::raii::Fence fence_ = nullptr;
+    mutable std::atomic<uint32_t> allocations_ = 0;
 
     void createInstance();
-    void choosePhysical(const std::string& wanted);
+    void choosePhysical(const DeviceOptions& options);
     void createDevice();
 };
 

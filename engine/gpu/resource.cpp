@@ -6,9 +6,13 @@
 
 namespace lumel::gpu {
 
-Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string& name)
+Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string& name,
+               const std::string& remedy)
     : size_(std::max<size_t>(bytes, 16))
 {
+    if (size_ > device.limits().maxBufferSize)
+        throw Error(fmt::format("Vulkan: {} has maxBufferSize {}, {} needed: {}", device.limits().device,
+                                device.limits().maxBufferSize, size_, remedy));
     using Usage = vk::BufferUsageFlagBits;
     buffer_ = vk::raii::Buffer(device.handle(), {.size = size_,
                                                  .usage = Usage::eStorageBuffer | Usage::eIndirectBuffer |
@@ -18,12 +22,27 @@ Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string&
     using Property = vk::MemoryPropertyFlagBits;
     const auto wanted = home == Home::host ? Property::eHostVisible | Property::eHostCoherent
                                            : vk::MemoryPropertyFlags(Property::eDeviceLocal);
-    memory_ = device.allocate(buffer_.getMemoryRequirements(), wanted, true);
-    buffer_.bindMemory(*memory_, 0);
+    memory_ = device.allocate(buffer_.getMemoryRequirements(), wanted, remedy, true);
+    buffer_.bindMemory(*memory_.handle, 0);
     address_ = device.handle().getBufferAddress({.buffer = *buffer_});
     if (home == Home::host)
-        mapped_ = memory_.mapMemory(0, size_);
+        mapped_ = memory_.handle.mapMemory(0, size_);
     device.name(buffer_, name);
+}
+
+void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Buffer& to)
+{
+    commands.copyBuffer(staging.handle(), to.handle(),
+                        vk::BufferCopy{.size = std::min(staging.size(), to.size())});
+    memoryBarrier(commands, Use::transferWrite, Use::general);
+}
+
+void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Image& to,
+                  const std::vector<vk::BufferImageCopy>& mips)
+{
+    imageBarrier(commands, to.handle(), to.aspect(), Use::undefined, Use::transferWrite);
+    commands.copyBufferToImage(staging.handle(), to.handle(), vk::ImageLayout::eTransferDstOptimal, mips);
+    imageBarrier(commands, to.handle(), to.aspect(), Use::transferWrite, Use::shaderSample);
 }
 
 Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const std::string& name)
@@ -33,9 +52,7 @@ Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const
         return buffer;
     const Buffer staging(device, data.size(), Buffer::Home::host, name + " (staging)");
     std::memcpy(staging.mapped<void>(), data.data(), data.size());
-    device.runOnce([&](vk::CommandBuffer commands) {
-        commands.copyBuffer(staging.handle(), buffer.handle(), vk::BufferCopy{.size = data.size()});
-    });
+    device.runOnce([&](vk::CommandBuffer commands) { recordUpload(commands, staging, buffer); });
     return buffer;
 }
 
@@ -45,20 +62,63 @@ vk::ImageAspectFlags Image::aspect() const
                                                   : vk::ImageAspectFlagBits::eColor;
 }
 
+namespace {
+
+vk::ImageCreateInfo createInfoOf(const ImageInfo& info)
+{
+    return {.imageType = vk::ImageType::e2D,
+            .format = info.format,
+            .extent = {info.width, info.height, 1},
+            .mipLevels = info.mips,
+            .arrayLayers = info.layers,
+            .samples = info.samples,
+            .tiling = vk::ImageTiling::eOptimal,
+            .usage = info.usage};
+}
+
+// One line each for what the device cannot serve.
+std::vector<std::string> unmetBy(const Device& device, const ImageInfo& info)
+{
+    const std::string& name = device.limits().device;
+    try {
+        const auto properties = device.physical().getImageFormatProperties(
+            info.format, vk::ImageType::e2D, vk::ImageTiling::eOptimal, info.usage);
+        std::vector<std::string> lines = unmet(name, properties,
+                                               {.width = info.width,
+                                                .height = info.height,
+                                                .layers = info.layers,
+                                                .mips = info.mips,
+                                                .samples = info.samples,
+                                                .remedy = info.remedy});
+        if (!lines.empty())
+            return lines; // and its size is not to be asked for
+    } catch (const vk::FormatNotSupportedError&) {
+        return {fmt::format("{} has no {} images for {}", name, vk::to_string(info.format),
+                            vk::to_string(info.usage))};
+    }
+    const vk::ImageCreateInfo create = createInfoOf(info);
+    const auto memory = device.handle().getImageMemoryRequirements(vk::DeviceImageMemoryRequirements{
+        .pCreateInfo = &create, .planeAspect = vk::ImageAspectFlagBits::eNone});
+    return unmet(device.limits(), memory.memoryRequirements.size, 0, info.remedy);
+}
+
+} // namespace
+
+void checkImage(const Device& device, const ImageInfo& info)
+{
+    const std::vector<std::string> problems = unmetBy(device, info);
+    if (!problems.empty())
+        throw Error("Vulkan: " + problems.front());
+}
+
 Image::Image(const Device& device, const ImageInfo& info, const std::string& name) : info_(info)
 {
-    image_ = vk::raii::Image(device.handle(), {.imageType = vk::ImageType::e2D,
-                                               .format = info.format,
-                                               .extent = {info.width, info.height, 1},
-                                               .mipLevels = info.mips,
-                                               .arrayLayers = info.layers,
-                                               .samples = info.samples,
-                                               .tiling = vk::ImageTiling::eOptimal,
-                                               .usage = info.usage});
+    checkImage(device, info);
+    image_ = vk::raii::Image(device.handle(), createInfoOf(info));
     const auto requirements = image_.getMemoryRequirements();
     bytes_ = requirements.size;
-    memory_ = device.allocate(requirements, vk::MemoryPropertyFlagBits::eDeviceLocal);
-    image_.bindMemory(*memory_, 0);
+    memory_ = device.allocate(requirements, vk::MemoryPropertyFlagBits::eDeviceLocal, info.remedy);
+    image_.bindMemory(*memory_.handle, 0);
     device.name(image_, name);
 
     const auto type =
@@ -101,12 +161,7 @@ Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
                           .imageExtent = {std::max(1u, width >> mip), std::max(1u, height >> mip), 1}});
         offset += levels[mip].size() * sizeof(uint16_t);
     }
-    device.runOnce([&](vk::CommandBuffer commands) {
-        imageBarrier(commands, image.handle(), image.aspect(), Use::undefined, Use::transferWrite);
-        commands.copyBufferToImage(staging.handle(), image.handle(), vk::ImageLayout::eTransferDstOptimal,
-                                   copies);
-        imageBarrier(commands, image.handle(), image.aspect(), Use::transferWrite, Use::fragmentSample);
-    });
+    device.runOnce([&](vk::CommandBuffer commands) { recordUpload(commands, staging, image, copies); });
     return image;
 }
 

@@ -11,7 +11,9 @@ class Buffer {
 public:
     enum class Home { device, host };
     Buffer() = default;
-    Buffer(const Device& device, size_t bytes, Home home, const std::string& name);
+    // remedy: what to do when the device has no room for it.
+    Buffer(const Device& device, size_t bytes, Home home, const std::string& name,
+           const std::string& remedy = "use a smaller scene");
 
     vk::Buffer handle() const { return *buffer_; }
     vk::DeviceAddress address() const { return address_; }
@@ -24,7 +26,7 @@ public:
     }
 
 private:
-    vk::raii::DeviceMemory memory_ = nullptr;
+    Memory memory_;
     vk::raii::Buffer buffer_ = nullptr;
     vk::DeviceAddress address_ = 0;
     size_t size_ = 0;
@@ -46,8 +48,12 @@ struct ImageInfo {
     uint32_t mips = 1, layers = 1;
     vk::ImageUsageFlags usage;
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
-    bool arrayView = false; // sampler2DArray / image2DArray even with one layer
+    bool arrayView = false;                  // sampler2DArray / image2DArray even with one layer
+    const char* remedy = "use smaller maps"; // when the device has no such images, or no room for it
 };
+
+// Throws Error with the remedy when the device has no such images.
+void checkImage(const Device& device, const ImageInfo& info);
 
 class Image {
 public:
@@ -66,10 +72,15 @@ public:
 private:
     ImageInfo info_;
     size_t bytes_ = 0;
-    vk::raii::DeviceMemory memory_ = nullptr;
+    Memory memory_;
     vk::raii::Image image_ = nullptr;
     vk::raii::ImageView view_ = nullptr;
 };
+
+// Copies into a buffer or the mips of an image; whatever follows, in any shader or command, may read them.
+void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Buffer& to);
+void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Image& to,
+                  const std::vector<vk::BufferImageCopy>& mips);
 
 // An RGBA16F image with all its mips for sampling. levels[i] holds width >> i by height >> i RGBA half texels
 // (floor, at least 1).

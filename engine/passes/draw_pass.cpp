@@ -189,9 +189,9 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
                                       .imageLayout = vk::ImageLayout::eColorAttachmentOptimal,
                                       .loadOp = vk::AttachmentLoadOp::eClear,
                                       .storeOp = vk::AttachmentStoreOp::eStore};
-    // The background is the environment that fills the shadows, at its horizon.
+    // The background is the ambient light at its horizon. Alpha tells that nothing is there.
     const glm::vec3 horizon = 0.5f * (frame.scene.skyRadiance() + frame.scene.groundRadiance());
-    color.clearValue = vk::ClearColorValue(std::array<float, 4>{horizon.r, horizon.g, horizon.b, 1.0f});
+    color.clearValue = vk::ClearColorValue(std::array<float, 4>{horizon.r, horizon.g, horizon.b, 0.0f});
     if (multisampling) {
         gpu::imageBarrier(commands, targets.multisampled.handle(), targets.multisampled.aspect(),
                           gpu::Use::undefined, gpu::Use::colorWrite);

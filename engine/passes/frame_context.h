@@ -11,7 +11,9 @@ namespace lumel {
 // Render targets of one picture size.
 struct Targets {
     Targets(const gpu::Device& device, const Settings& settings);
-    gpu::Image hdr;          // linear radiance, RGBA16F, one sample a pixel
+    // Throws Error when the device has no such images.
+    static void check(const gpu::Device& device, const Settings& settings);
+    gpu::Image hdr;          // linear radiance and coverage, RGBA16F, one sample a pixel
     gpu::Image depth;        // D32, as many samples as the draw pass
     gpu::Image multisampled; // RGBA16F, only with msaa > 1
     gpu::Image sum;          // RGBA32F, reference only
@@ -71,6 +73,13 @@ void pushConstants(vk::CommandBuffer commands, const gpu::Pipeline& pipeline, co
 // Set 0 of every pipeline is the frame's view and lights; `sets` follow.
 void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
               std::initializer_list<vk::DescriptorSet> sets = {});
+
+// Over a list, for shaders that include lib/rows.glsl.
+inline void dispatchList(vk::CommandBuffer commands, uint32_t invocations)
+{
+    const glm::uvec2 groups = shared::groupRows(invocations);
+    commands.dispatch(groups.x, groups.y, 1);
+}
 
 inline uint32_t groupsOf64(uint32_t invocations)
 {

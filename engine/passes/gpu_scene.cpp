@@ -18,20 +18,14 @@ bool readsMaterialAtLitUvs(const scene::Mesh& mesh)
                        [](const shared::Vertex& v) { return v.materialUv == v.uv && v.glowUv == v.uv; });
 }
 
-// log2 of how much longer glow UVs are than the others; 0 where they are the same or nothing is known.
-float glowLevelOffset(const scene::Mesh& mesh)
+// Level of a map of this size that matches the lit texture's level 0; below 0 where lumels are finer. By the
+// axis in which a lumel covers more texels, but at most one level coarser than by the other: as light.comp's
+// levelOf() does.
+float levelOfLumels(glm::uvec2 mapSize, glm::uvec2 litSize)
 {
-    double glow = 0.0, own = 0.0; // twice the areas
-    const auto area = [](glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
-        return std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
-    };
-    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        const auto &a = mesh.vertices[mesh.indices[i]], &b = mesh.vertices[mesh.indices[i + 1]],
-                   &c = mesh.vertices[mesh.indices[i + 2]];
-        glow += area(a.glowUv, b.glowUv, c.glowUv);
-        own += area(a.materialUv, b.materialUv, c.materialUv);
-    }
-    return glow > 0.0 && own > 0.0 ? float(0.5 * std::log2(glow / own)) : 0.0f;
+    const glm::vec2 texels = glm::vec2(mapSize) / glm::vec2(litSize);
+    const float major = std::max(texels.x, texels.y), minor = std::min(texels.x, texels.y);
+    return std::log2(std::max(minor, 0.5f * major));
 }
 
 // What is not metal reflects this much whatever its base colour is; that of a specular-glossiness material
@@ -95,6 +89,7 @@ void GpuScene::uploadMaterial(const gpu::Device& device, const scene::BakedMater
     };
     GpuMaterial material;
     material.size = {width, height};
+    material.glowSize = {uint32_t(baked.glow.front().width), uint32_t(baked.glow.front().height)};
     material.normal = upload({kNx, kNy, kSxx, kSyy}, " normal");
     material.specular = upload({kKsR, kKsG, kKsB, kSxy}, " specular");
     material.diffuse = upload({kKdR, kKdG, kKdB, kError}, " diffuse");
@@ -144,6 +139,8 @@ void GpuScene::bend(const scene::Shapes& shapes, uint32_t frame)
 void GpuScene::takeShape(GpuObject& object) const
 {
     object.mirrored = glm::determinant(glm::mat3(object.data.worldFromObject)) < 0.0f;
+    object.data.flags &= ~shared::kObjectMirrored;
+    object.data.flags |= object.mirrored ? shared::kObjectMirrored : 0u;
     if (object.deformed < 0)
         return;
     const DeformedMeshes::Item& item = deformed_.items()[size_t(object.deformed)];
@@ -192,10 +189,10 @@ void GpuScene::addObject(const gpu::Device& device, const scene::Scene& scene, c
     data.colours = meshes_[size_t(object.mesh)].colours.address();
     data.dielectric = dielectricReflectance(material);
     const bool same = readsMaterialAtLitUvs(mesh);
-    const int width = int(gpuMaterial.size.x), height = int(gpuMaterial.size.y);
-    data.litSize = same ? tsl::lumelGrid(width, height) : tsl::lumelGrid(mesh, width, height);
-    data.materialLevelOffset = std::log2(float(gpuMaterial.size.x) / float(data.litSize.x));
-    data.glowLevelOffset = same ? 0.0f : glowLevelOffset(mesh);
+    const glm::ivec2 size(gpuMaterial.size), glowSize(gpuMaterial.glowSize);
+    data.litSize = same ? tsl::lumelGrid(size, glowSize) : tsl::lumelGrid(mesh, size, glowSize);
+    data.materialLevelOffset = levelOfLumels(gpuMaterial.size, data.litSize);
+    data.glowLevelOffset = levelOfLumels(gpuMaterial.glowSize, data.litSize);
     data.flags = material.doubleSided ? shared::kObjectDoubleSided : 0u;
     if (material.unlit)
         data.flags |= shared::kObjectUnlit;

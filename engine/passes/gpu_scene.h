@@ -26,7 +26,7 @@ struct GpuMaterial {
     gpu::Image normal, specular, diffuse, glow, opacity;
     gpu::Image base; // mean F0 and roughness of level 0
     vk::raii::DescriptorSet set = nullptr;
-    glm::uvec2 size{1};
+    glm::uvec2 size{1}, glowSize{1}; // of the reflectance and of glow, texels
 };
 
 struct GpuObject {
@@ -72,6 +72,8 @@ public:
                         uint32_t frame);
     // What the environment's picture is multiplied by, and turned by about +Y, in degrees.
     void adjustEnvironment(float intensity, float degrees, uint32_t frame);
+    // See Settings::ambient.
+    void adjustAmbient(std::optional<float> ambient, uint32_t frame);
     const shared::EnvironmentView& environment() const { return environmentView_; }
     // kFeature... of shaders that light its objects, or those of them that have vertex colours.
     uint32_t features(bool coloured = false) const
@@ -122,7 +124,7 @@ private:
         return *samplers_[size_t(uv.wrapU) + 3 * size_t(uv.wrapV)];
     }
     void makeFrameSet(const gpu::Device& device);
-    void setSky(const std::vector<scene::Light>& lights, uint32_t frame);
+    void updateAmbient(uint32_t frame);
     void touchAll(uint32_t frame);
     void addObject(const gpu::Device& device, const scene::Scene& scene, const scene::Object& object);
     const GpuTexelMap* texelMapFor(const gpu::Device& device, const scene::Scene& scene, int mesh,
@@ -141,9 +143,12 @@ private:
     std::shared_ptr<const scene::Environment> environment_;
     gpu::Image environmentMap_;
     shared::EnvironmentView environmentView_{};
+    float environmentDegrees_ = 0.0f;
     std::vector<shared::Shadow> shadows_;
     uint32_t changed_ = 0;
     uint32_t lightCount_ = 0;
+    std::optional<float> ambient_;
+    float brightestSun_ = 0.0f; // lux
     glm::vec3 sky_{0.0f}, ground_{0.0f};
 };
 

@@ -24,7 +24,8 @@ LitBlock LitPool::make(glm::uvec2 size) const
                     .height = block.layout.extent.y,
                     .layers = block.layout.layers,
                     .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc | Usage::eTransferDst,
-                    .arrayView = true},
+                    .arrayView = true,
+                    .remedy = "use a smaller --pool-mb"},
                    "lit block");
     block.states = gpu::Buffer(device_, block.stateOffset(block.layout.layers), gpu::Buffer::Home::device,
                                "tile states");

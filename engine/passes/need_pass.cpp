@@ -7,7 +7,13 @@ namespace {
 gpu::Image makeTarget(const gpu::Device& device, glm::uvec2 size, vk::Format format,
                       vk::ImageUsageFlags usage)
 {
-    return {device, {.format = format, .width = size.x, .height = size.y, .usage = usage}, "need"};
+    return {device,
+            {.format = format,
+             .width = size.x,
+             .height = size.y,
+             .usage = usage,
+             .remedy = "use a smaller --size"},
+            "need"};
 }
 
 // Offset of sample centres in full-size pixels from the quarter pixel's centre: the 16 pixels of a 4 x 4
@@ -74,28 +80,65 @@ void NeedPass::record(Frame& frame, bool everyPixel)
                              .pColorAttachments = &color,
                              .pDepthAttachment = &depth});
     setViewport(commands, extent);
-    bindSets(frame, vk::PipelineBindPoint::eGraphics, raster_);
-    // Quarter pixels cover whole blocks of 4 x 4, also where the picture's size is not a multiple of 4: the
-    // viewport reaches past its edge by the same share, which is at most three pixels.
-    const glm::vec2 pixels = everyPixel ? glm::vec2(0.0f) : jitterInPixels(frame.index);
-    const glm::vec2 jitter = 2.0f * pixels / glm::vec2(frame.renderSize);
-    shared::NeedPush push{.needs = needs_.address(),
-                          .total = total_.address(),
-                          .jitter = jitter,
-                          .divisor = float(divisor_),
-                          .object = 0,
-                          .size = samples_};
-    for (size_t i = 0; i < frame.inView.size(); ++i) {
-        if (!frame.inView[i] || frame.scene.objects()[i].blend)
-            continue;
-        push.object = uint32_t(i);
-        pushConstants(commands, raster_, push);
-        frame.scene.drawTriangles(commands, i);
-    }
+    drawObjects(frame, everyPixel);
     commands.endRendering();
 
     gpu::imageBarrier(commands, seen_.handle(), seen_.aspect(), gpu::Use::colorWrite, gpu::Use::computeRead);
     count(frame);
+}
+
+const gpu::Pipeline& NeedPass::maskPipeline(const Frame& frame, const GpuObject& object)
+{
+    const uint32_t features = object.coloured ? shared::kFeatureColoured : 0u;
+    gpu::Pipeline& mask = masks_[features];
+    if (!*mask.handle)
+        mask = gpu::makeGraphicsPipeline(
+            frame.device,
+            {.vertex = "need_mask.vert",
+             .fragment = "need_mask.frag",
+             .bindings = kMeshBindings,
+             .attributes = meshAttributes({shared::kAttributePosition, shared::kAttributeUv,
+                                           shared::kAttributeMaterialUv, shared::kAttributeWorld}),
+             .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
+             .pushBytes = sizeof(shared::NeedPush),
+             .color = vk::Format::eR32G32B32A32Uint,
+             .features = features});
+    return mask;
+}
+
+// What hides others and what is seen: all but blended objects, which let everything through.
+void NeedPass::drawObjects(Frame& frame, bool everyPixel)
+{
+    // Quarter pixels cover whole blocks of 4 x 4, also where the picture's size is not a multiple of 4: the
+    // viewport reaches past its edge by the same share, which is at most three pixels.
+    const glm::vec2 pixels = everyPixel ? glm::vec2(0.0f) : jitterInPixels(frame.index);
+    shared::NeedPush push{.needs = needs_.address(),
+                          .total = total_.address(),
+                          .jitter = 2.0f * pixels / glm::vec2(frame.renderSize),
+                          .divisor = float(divisor_),
+                          .object = 0,
+                          .size = samples_};
+    const auto& objects = frame.scene.objects();
+    std::vector<size_t> masked; // last: their hidden samples cost a depth test, no lookup
+    const auto draw = [&](const gpu::Pipeline& pipeline, size_t object) {
+        push.object = uint32_t(object);
+        pushConstants(frame.commands, pipeline, push);
+        frame.scene.drawTriangles(frame.commands, object);
+    };
+    bindSets(frame, vk::PipelineBindPoint::eGraphics, raster_);
+    for (size_t i = 0; i < frame.inView.size(); ++i) {
+        if (!frame.inView[i] || objects[i].blend)
+            continue;
+        if (objects[i].data.flags & shared::kObjectMask)
+            masked.push_back(i);
+        else
+            draw(raster_, i);
+    }
+    for (const size_t i : masked) {
+        const gpu::Pipeline& pipeline = maskPipeline(frame, objects[i]);
+        bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline, {*objects[i].material->set});
+        draw(pipeline, i);
+    }
 }
 
 void NeedPass::recount(Frame& frame)
@@ -117,7 +160,7 @@ void NeedPass::count(Frame& frame)
                                    .divisor = float(divisor_),
                                    .object = 0,
                                    .size = samples_});
-    frame.commands.dispatch(groupsOf64(samples_.x * samples_.y), 1, 1);
+    dispatchList(frame.commands, samples_.x * samples_.y);
     gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::hostRead);
 }
 
@@ -136,7 +179,8 @@ void NeedPass::read(Frame& frame) const
                           .litSize = objects[i].data.litSize};
     const auto& total = *total_.mapped<shared::NeedTotal>();
     for (size_t i = 0; i < frame.elongations.size(); ++i)
-        frame.elongations[i] = float(total.elongations[i]) / float(shared::kNeedScale);
+        frame.elongations[i] = float(double(uint64_t(total.carries[i]) << 32 | total.elongations[i]) /
+                                     double(shared::kNeedScale));
 }
 
 } // namespace lumel

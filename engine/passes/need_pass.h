@@ -2,6 +2,7 @@
 // 4 x 4 sub-pixel cycle a frame.
 #pragma once
 #include "frame_context.h"
+#include <map>
 
 namespace lumel {
 
@@ -27,12 +28,15 @@ public:
 
 private:
     void count(Frame& frame);
+    const gpu::Pipeline& maskPipeline(const Frame& frame, const GpuObject& object);
+    void drawObjects(Frame& frame, bool everyPixel);
     glm::uvec2 samples_{0};
     uint32_t divisor_ = kDivisor;
     gpu::Image seen_, depth_;
     gpu::SetLayout layout_;
     vk::raii::DescriptorSet set_;
     gpu::Pipeline raster_, count_;
+    std::map<uint32_t, gpu::Pipeline> masks_; // by kFeature..., made when first needed
     gpu::Buffer needs_, total_;
 };
 

@@ -80,7 +80,7 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
     std::vector<shared::Job> table;
     uint32_t first = 0;
     const auto addJob = [&](uint32_t capacity) {
-        table.push_back({.groups = {0, 1, 1}, .count = 0, .first = first});
+        table.push_back({.groups = {0, 1, 1}, .count = 0, .capacity = capacity, .first = first});
         first += capacity;
     };
     for (const LightJob& job : lightJobs_)
@@ -138,10 +138,9 @@ void PlanPass::record(Frame& frame, const NeedPass& need)
     const PassScope scope(frame, "plan");
     const vk::CommandBuffer commands = frame.commands;
     commands.fillBuffer(plan_.handle(), 0, VK_WHOLE_SIZE, 0);
-    const std::array<uint32_t, 2> groupsYZ{1, 1};
     gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::transferWrite);
-    commands.updateBuffer<uint32_t>(plan_.handle(), offsetof(shared::Plan, groups) + sizeof(uint32_t),
-                                    groupsYZ);
+    commands.fillBuffer(plan_.handle(), offsetof(shared::Plan, groups) + 2 * sizeof(uint32_t),
+                        sizeof(uint32_t), 1);
     if (jobCount_ > 0)
         commands.copyBuffer(upload_.handle(), jobs_.handle(),
                             vk::BufferCopy{.size = jobCount_ * sizeof(shared::Job)});
@@ -160,14 +159,15 @@ void PlanPass::record(Frame& frame, const NeedPass& need)
                                 .objectCount = objectCount,
                                 .budgetTiles = frame.lumelBudget / shared::kTileLumels,
                                 .refreshShare = settings.refreshShare,
-                                .tolerance = settings.tolerance};
+                                .tolerance = settings.tolerance,
+                                .markCapacity = uint32_t(marks_.size() / sizeof(shared::Mark))};
     const auto bind = [&](const gpu::Pipeline& pipeline, std::initializer_list<vk::DescriptorSet> sets = {}) {
         bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, sets);
         pushConstants(commands, pipeline, push);
     };
     const auto wait = [&] { gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::indirectRead); };
     bind(mark_, {need.set()});
-    commands.dispatch(groupsOf64(std::max(samples.x * samples.y, objectCount)), 1, 1);
+    dispatchList(commands, std::max(samples.x * samples.y, objectCount));
     wait();
     for (const gpu::Pipeline* pass : {&classify_, &select_}) {
         bind(budget_);

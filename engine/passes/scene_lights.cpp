@@ -40,8 +40,9 @@ void GpuScene::setEnvironment(const gpu::Device& device,
     const std::vector<Image> black = {Image(1, 1, 3)};
     environmentMap_ = uploadChain(device, environment_ ? environment_->levels : black, "environment");
     gpu::writeSampled(device, *frameSet_, 2, *samplers_.back(), environmentMap_.view()); // clamped
-    const shared::EnvironmentView before = std::exchange(environmentView_, {});
-    adjustEnvironment(before.intensity, glm::degrees(std::atan2(before.turn.y, before.turn.x)), frame);
+    updateAmbient(frame);
+    const float intensity = std::exchange(environmentView_, {}).intensity;
+    adjustEnvironment(intensity, environmentDegrees_, frame);
     touchAll(frame);
 }
 
@@ -52,6 +53,11 @@ void GpuScene::adjustEnvironment(float intensity, float degrees, uint32_t frame)
                                  .turn = {std::cos(glm::radians(degrees)), std::sin(glm::radians(degrees))}};
     for (size_t i = 0; environment_ && i < environment_->diffuse.size(); ++i)
         view.diffuse[i] = environment_->diffuse[i] * intensity;
+    if (environment_) { // the hemisphere's irradiance over pi is linear in N.up, which is the third term
+        view.diffuse[0] += 0.5f * (sky_ + ground_);
+        view.diffuse[2] += 0.5f * (sky_ - ground_);
+    }
+    environmentDegrees_ = degrees;
     if (std::memcmp(&view, &environmentView_, sizeof(view)) == 0)
         return;
     environmentView_ = view;
@@ -77,19 +83,21 @@ void GpuScene::setShadows(const std::vector<shared::Shadow>& shadows, uint32_t f
     shadows_ = shadows;
 }
 
-// A little fill, so that what no light reaches is dim, not black: a sky whose radiance is 4 % of the
-// brightest directional light's irradiance, a third of that from below.
-void GpuScene::setSky(const std::vector<scene::Light>& lights, uint32_t frame)
+void GpuScene::adjustAmbient(std::optional<float> ambient, uint32_t frame)
 {
-    float brightest = 0.0f;
-    for (const scene::Light& light : lights)
-        if (light.type == scene::LightType::directional)
-            brightest = std::max(brightest, light.intensity);
-    const glm::vec3 sky(0.04f * brightest);
+    ambient_ = ambient;
+    updateAmbient(frame);
+}
+
+// By default a little fill where there is no environment, so that what no light reaches is dim, not black.
+void GpuScene::updateAmbient(uint32_t frame)
+{
+    const glm::vec3 sky(ambient_ ? *ambient_ : environment_ ? 0.0f : 0.04f * brightestSun_);
     if (sky == sky_)
         return;
     sky_ = sky;
     ground_ = sky_ / 3.0f;
+    adjustEnvironment(environmentView_.intensity, environmentDegrees_, frame);
     touchAll(frame);
 }
 
@@ -109,7 +117,11 @@ void GpuScene::setLights(const std::vector<scene::Light>& lights, uint32_t frame
         }
     }
     lightCount_ = uint32_t(lights.size());
-    setSky(lights, frame);
+    brightestSun_ = 0.0f;
+    for (const scene::Light& light : lights)
+        if (light.type == scene::LightType::directional)
+            brightestSun_ = std::max(brightestSun_, light.intensity);
+    updateAmbient(frame);
 }
 
 std::array<uint32_t, shared::kListedLights / 32> GpuScene::lightsReaching(size_t object) const

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <glm/glm.hpp>
+#include <optional>
 
 namespace lumel {
 
@@ -40,6 +41,9 @@ struct Settings {
     uint32_t shadowSize = 2048; // texels a side of each map
     float environmentIntensity = 1.0f;
     float environmentRotation = 0.0f; // degrees about +Y
+    // Radiance of an even sky, and a third of it from the ground, beside all other surroundings. Nothing: 4 %
+    // of the brightest sun's illuminance where there is no environment, else 0.
+    std::optional<float> ambient;
     float exposure = 1.0f;
     ToneMap toneMap = ToneMap::neutral;
     size_t poolBytes = size_t(256) << 20;

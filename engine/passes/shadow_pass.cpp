@@ -90,6 +90,18 @@ float texelOf(const glm::mat4& clipFromWorld, uint32_t size)
 
 } // namespace
 
+gpu::ImageInfo shadowMapInfo(uint32_t size, uint32_t layers)
+{
+    using Usage = vk::ImageUsageFlagBits;
+    return {.format = vk::Format::eD32Sfloat,
+            .width = size,
+            .height = size,
+            .layers = layers,
+            .usage = Usage::eDepthStencilAttachment | Usage::eSampled | Usage::eTransferDst,
+            .arrayView = true,
+            .remedy = "use a smaller --shadow-size"};
+}
+
 ShadowPass::ShadowPass(const gpu::Device& device, GpuScene& scene)
     : viewLayout_(gpu::makeSetLayout(device, {vk::DescriptorType::eUniformBuffer})),
       viewSet_(gpu::makeSet(device, viewLayout_)),
@@ -117,19 +129,17 @@ void ShadowPass::allocate(const gpu::Device& device, GpuScene& scene, uint32_t s
         return;
     layers_.clear();
     known_.clear();
-    using Usage = vk::ImageUsageFlagBits;
-    maps_ = gpu::Image(device,
-                       {.format = vk::Format::eD32Sfloat,
-                        .width = size,
-                        .height = size,
-                        .layers = layers,
-                        .usage = Usage::eDepthStencilAttachment | Usage::eSampled,
-                        .arrayView = true},
-                       "shadow maps");
+    maps_ = gpu::Image(device, shadowMapInfo(size, layers), "shadow maps");
     for (uint32_t layer = 0; layer < layers; ++layer)
         layers_.push_back(maps_.layerView(device, layer));
     device.runOnce([&](vk::CommandBuffer commands) {
+        // Infinitely far: no shadow where none is rendered yet.
         gpu::imageBarrier(commands, maps_.handle(), maps_.aspect(), gpu::Use::undefined,
+                          gpu::Use::transferWrite);
+        commands.clearDepthStencilImage(maps_.handle(), vk::ImageLayout::eTransferDstOptimal,
+                                        vk::ClearDepthStencilValue{0.0f, 0},
+                                        vk::ImageSubresourceRange{maps_.aspect(), 0, 1, 0, layers});
+        gpu::imageBarrier(commands, maps_.handle(), maps_.aspect(), gpu::Use::transferWrite,
                           gpu::Use::shaderSample);
     });
     scene.bindShadows(device, *sampler_, maps_.view());

@@ -4,6 +4,9 @@
 
 namespace lumel {
 
+// Of `layers` square maps.
+gpu::ImageInfo shadowMapInfo(uint32_t size, uint32_t layers);
+
 class ShadowPass {
 public:
     ShadowPass(const gpu::Device& device, GpuScene& scene);

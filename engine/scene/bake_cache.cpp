@@ -1,5 +1,5 @@
 #include "bake_cache.h"
-#include "core/error.h"
+#include "material_fields.h"
 #include "material_maps.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -8,12 +8,19 @@
 namespace lumel::scene {
 namespace {
 
-constexpr const char* kMapsVersion = "1"; // raise when material_maps.cpp changes its results
+constexpr const char* kMapsVersion = "2"; // raise when material_maps.cpp changes its results
 
 std::string fileHash(const std::filesystem::path& file)
 {
     const auto bytes = readFile(file);
     return ContentHash().add(bytes.data(), bytes.size()).addValue(bytes.size()).hex();
+}
+
+nlohmann::json readJson(const std::filesystem::path& file)
+{
+    const auto text = readFile(file, 4096);
+    const char* begin = reinterpret_cast<const char*>(text.data());
+    return nlohmann::json::parse(begin, begin + text.size());
 }
 
 bool isUsable(const Image& glow)
@@ -24,9 +31,28 @@ bool isUsable(const Image& glow)
                        [](float value) { return std::isfinite(value); });
 }
 
+// Tells a file that names a key from one that was damaged so that it names another.
+std::string seal(const std::string& inputKey, const std::string& key)
+{
+    return ContentHash().add(inputKey).add(key).hex();
+}
+
+template<class Field>
+void addField(ContentHash& hash, const Field& field)
+{
+    if constexpr (std::is_same_v<Field, std::string>)
+        hash.add(field);
+    else if constexpr (std::is_same_v<Field, std::filesystem::path>)
+        hash.add(field.string());
+    else if constexpr (std::is_same_v<Field, UvMapping>)
+        forEachUvMappingField(field, [&](const auto& part) { hash.addValue(part); });
+    else
+        hash.addValue(field);
+}
+
 } // namespace
 
-BakeCache::BakeCache(const Scene& scene, const MaterialOptions& options) : scene_(scene), options_(options)
+BakeCache::BakeCache(const Scene& scene, const MaterialOptions& options) : options_(options)
 {
     for (const SceneImage& image : scene.images)
         imageHashes_.push_back(
@@ -36,41 +62,45 @@ BakeCache::BakeCache(const Scene& scene, const MaterialOptions& options) : scene
     try {
         folder_ = cacheFolder();
     } catch (const Error& e) {
-        spdlog::warn("{}; materials are baked anew each time", e.what());
+        giveUp(e);
     }
 }
 
-std::string BakeCache::key(const Material& m) const
+void BakeCache::giveUp(const Error& reason)
 {
+    spdlog::warn("{}; materials are baked anew each time", reason.what());
+    folder_.reset();
+}
+
+std::string BakeCache::inputKey(const Material& material) const
+{
+    Material m = material;
+    // Neither reflectance nor glow depends on these.
+    m.name.clear();
+    m.bakedFile.clear();
+    m.alphaMode = AlphaMode::opaque;
+    m.alphaCutoff = 0.0f;
+    m.doubleSided = false;
     ContentHash hash;
     hash.add(std::string(baker::kVersion)).add(std::string(kMapsVersion));
-    hash.addValue(int(options_.method)).addValue(int(options_.model));
-    for (float value : {m.baseColor.x,       m.baseColor.y,
-                        m.baseColor.z,       m.metallic,
-                        m.roughness,         m.normalScale,
-                        m.occlusionStrength, m.emissive.x,
-                        m.emissive.y,        m.emissive.z,
-                        m.heightScale,       m.power,
-                        m.glossiness,        m.ior,
-                        m.specular,          m.specularColor.x,
-                        m.specularColor.y,   m.specularColor.z,
-                        m.anisotropy,        m.anisotropyRotation})
-        hash.addValue(value);
-    for (int image :
-         {m.baseColorImage, m.metallicRoughnessImage, m.normalImage, m.occlusionImage, m.emissiveImage,
-          m.heightImage, m.specularImage, m.specularColorImage, m.anisotropyImage})
-        hash.add(image < 0 ? std::string("none") : imageHashes_[size_t(image)]);
-    hash.addValue(m.specularGlossiness).addValue(m.unlit);
-    if (m.uv.wrapU != Wrap::repeat || m.uv.wrapV != Wrap::repeat)
-        hash.add(std::string("clamp"));
-    for (const auto& [own, common] : {std::pair(m.baseColorUv, m.uv), std::pair(m.metallicRoughnessUv, m.uv),
-                                      std::pair(m.emissiveUv, m.glowUv)})
-        if (own != common)
-            hash.addValue(own.set == common.set)
-                .addValue(own.matrix())
-                .addValue(common.matrix())
-                .addValue(own.wrapU)
-                .addValue(own.wrapV);
+    hash.addValue(options_.method).addValue(options_.model);
+    const auto add = [&](const auto& field) {
+        // Integers are indices of images: their contents count, not where they stand in the file.
+        if constexpr (std::is_same_v<decltype(field), const int&>)
+            hash.add(field < 0 ? std::string("none") : imageHashes_.at(size_t(field)));
+        else
+            addField(hash, field);
+    };
+    forEachMaterialField(std::as_const(m), add);
+    return hash.hex();
+}
+
+std::string BakeCache::key(const baker::Maps& maps, const Image& glow) const
+{
+    ContentHash hash;
+    hash.add(baker::sourceHash(maps, {options_.method, options_.model}));
+    hash.addValue(glow.width).addValue(glow.height).addValue(glow.channels);
+    hash.add(glow.pixels.data(), glow.pixels.size() * sizeof(float));
     return hash.hex();
 }
 
@@ -79,30 +109,59 @@ std::filesystem::path BakeCache::path(const std::string& key, const char* ending
     return *folder_ / (key + ending);
 }
 
-std::optional<BakedMaterial> BakeCache::load(const std::string& key, const Material& material) const
+std::optional<std::string> BakeCache::recall(const std::string& inputKey) const
+{
+    if (const auto found = keys_.find(inputKey); found != keys_.end())
+        return found->second;
+    if (!folder_ || !std::filesystem::exists(path(inputKey, "-key.json")))
+        return std::nullopt;
+    try {
+        const auto entry = readJson(path(inputKey, "-key.json"));
+        const std::string key = entry.at("key");
+        if (entry.at("seal") != seal(inputKey, key))
+            throw Error("the file is not the one that was stored");
+        return key;
+    } catch (const std::exception& e) {
+        spdlog::debug("cache entry {} is made anew: {}", inputKey, e.what());
+        return std::nullopt;
+    }
+}
+
+void BakeCache::remember(const std::string& inputKey, const std::string& key)
+{
+    keys_[inputKey] = key;
+    if (!folder_)
+        return;
+    try {
+        const nlohmann::json entry = {{"key", key}, {"seal", seal(inputKey, key)}};
+        writeFileAtomically(path(inputKey, "-key.json"), entry.dump() + "\n");
+    } catch (const Error& e) {
+        giveUp(e);
+    }
+}
+
+std::optional<BakedMaterial> BakeCache::load(const std::string& key) const
 {
     if (!folder_ || !std::filesystem::exists(path(key, ".json")))
         return std::nullopt;
     try {
-        const auto text = readFile(path(key, ".json"), 4096);
-        const char* begin = reinterpret_cast<const char*>(text.data());
-        const auto manifest = nlohmann::json::parse(begin, begin + text.size());
+        const auto manifest = readJson(path(key, ".json"));
         if (manifest.at("key") != key || manifest.at("reflectance") != fileHash(path(key, ".exr")))
             throw Error("the file is not the one that was stored");
         BakedMaterial baked;
         baked.reflectance = baker::readExr(path(key, ".exr"));
         if (baked.reflectance.version != baker::kVersion)
             throw Error("it is of another version");
-        if (glowVaries(material)) {
-            if (manifest.at("glow") != fileHash(path(key, "-glow.exr")))
-                throw Error("the file is not the one that was stored");
-            Image glow = readImage(path(key, "-glow.exr"));
-            if (!isUsable(glow))
-                throw Error("it is no glow map");
-            baked.glow = mipChain(std::move(glow));
-        } else {
-            baked.glow = mipChain(glowImage(scene_, material));
-        }
+        Image glow(1, 1, 4);
+        if (manifest.at("glow").is_array())
+            glow.pixels = manifest["glow"].get<std::vector<float>>();
+        else if (manifest["glow"] == fileHash(path(key, "-glow.exr")))
+            glow = readImage(path(key, "-glow.exr"));
+        else
+            throw Error("the file is not the one that was stored");
+        if (glow.pixels.size() != 4 * size_t(glow.width) * size_t(glow.height) || !isUsable(glow))
+            throw Error("it is no glow map");
+        baked.glow = mipChain(std::move(glow));
         return baked;
     } catch (const Interrupted&) {
         throw;
@@ -112,7 +171,7 @@ std::optional<BakedMaterial> BakeCache::load(const std::string& key, const Mater
     }
 }
 
-void BakeCache::store(const std::string& key, const Material& material, const BakedMaterial& baked)
+void BakeCache::store(const std::string& key, const BakedMaterial& baked)
 {
     if (!folder_)
         return;
@@ -120,14 +179,16 @@ void BakeCache::store(const std::string& key, const Material& material, const Ba
         nlohmann::json manifest = {{"key", key}};
         baker::writeExr(path(key, ".exr"), baked.reflectance);
         manifest["reflectance"] = fileHash(path(key, ".exr"));
-        if (glowVaries(material)) {
-            writeImage(path(key, "-glow.exr"), baked.glow.front());
+        const Image& glow = baked.glow.front();
+        if (glow.width * glow.height == 1) {
+            manifest["glow"] = glow.pixels;
+        } else {
+            writeImage(path(key, "-glow.exr"), glow);
             manifest["glow"] = fileHash(path(key, "-glow.exr"));
         }
         writeFileAtomically(path(key, ".json"), manifest.dump() + "\n");
     } catch (const Error& e) {
-        spdlog::warn("{}; materials are baked anew each time", e.what());
-        folder_.reset(); // said once
+        giveUp(e);
     }
 }
 

@@ -3,9 +3,16 @@
 // An entry is <key>.exr (the reflectance), <key>-glow.exr where glow varies, and <key>.json with the hash
 // of each of these files' bytes, written last. An entry counts only if all hashes agree and the files
 // can be read; so whatever is truncated, damaged, exchanged or of another version is baked anew.
+//
+// The key is a hash of what is baked: the decoded, joined maps and the options. Since decoding takes longer
+// than all else in a start with a full cache, <inputs>-key.json keeps the key that a material led to, under
+// a hash of its fields and encoded images. That hash may change where the key does not (the images are then
+// decoded to find that out), never the other way round.
 #pragma once
+#include "core/error.h"
 #include "core/file.h"
 #include "materials.h"
+#include <map>
 #include <optional>
 
 namespace lumel::scene {
@@ -17,19 +24,26 @@ public:
 
     bool usable() const { return folder_.has_value(); }
 
-    // Hash over the encoded images, factors, options and versions: nothing has to be decoded to know it.
-    std::string key(const Material& material) const;
+    // Of all fields that maps can depend on, the encoded images, options and versions: nothing is decoded.
+    std::string inputKey(const Material& material) const;
+    // Of what is baked.
+    std::string key(const baker::Maps& maps, const Image& glow) const;
 
-    std::optional<BakedMaterial> load(const std::string& key, const Material& material) const;
-    void store(const std::string& key, const Material& material, const BakedMaterial& baked);
+    // The key that these inputs led to, in this run or an earlier one.
+    std::optional<std::string> recall(const std::string& inputKey) const;
+    void remember(const std::string& inputKey, const std::string& key);
+
+    std::optional<BakedMaterial> load(const std::string& key) const;
+    void store(const std::string& key, const BakedMaterial& baked);
 
 private:
     std::filesystem::path path(const std::string& key, const char* ending) const;
+    void giveUp(const Error& reason); // said once
 
-    const Scene& scene_;
     MaterialOptions options_;
     std::vector<std::string> imageHashes_;
     std::optional<std::filesystem::path> folder_;
+    std::map<std::string, std::string> keys_; // by input key, of this run
 };
 
 } // namespace lumel::scene

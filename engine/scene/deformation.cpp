@@ -108,6 +108,15 @@ std::vector<shared::Vertex> deformedVertices(const Mesh& mesh, std::span<const g
     return vertices;
 }
 
+std::vector<shared::Vertex> bentVertices(const Scene& scene, int deformed)
+{
+    if (deformed < 0)
+        return {};
+    const DeformedMesh& d = scene.deformed[size_t(deformed)];
+    return deformedVertices(scene.meshes[size_t(d.mesh)],
+                            d.skin >= 0 ? jointMatrices(scene.skins[size_t(d.skin)]) : Matrices(), d.weights);
+}
+
 Bounds objectBounds(const Scene& scene, size_t object)
 {
     const Object& o = scene.objects[object];

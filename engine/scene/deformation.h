@@ -72,6 +72,9 @@ std::vector<shared::Vertex> deformedVertices(const Mesh& mesh, std::span<const g
                                              std::span<const float> weights);
 
 // As the nodes say, in object space.
+// As the nodes say; nothing where the mesh does not bend. `deformed`: in Scene::deformed, -1 none.
+std::vector<shared::Vertex> bentVertices(const Scene& scene, int deformed);
+
 Bounds objectBounds(const Scene& scene, size_t object);
 
 } // namespace lumel::scene

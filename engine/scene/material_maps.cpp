@@ -117,11 +117,20 @@ public:
     // The same at the coordinates that it shares with others.
     const Image* get(int index, const UvMapping& own, const UvMapping& common)
     {
-        const Image* image = get(index);
-        if (!image || own.set != common.set || own.matrix() == common.matrix() ||
-            !mappingBetween(common, own))
-            return image;
-        return &moved_.emplace_back(moved(*image, own, common));
+        return placed(get(index), own, common);
+    }
+
+    // Linear colours of an image of sRGB ones; its alpha is linear as it is. Decoded before anything is
+    // resampled, as texture units do: a mean of light is a mean of linear values.
+    const Image* colours(int index, const UvMapping& own, const UvMapping& common)
+    {
+        const Image* encoded = get(index);
+        if (!encoded)
+            return nullptr;
+        auto found = colours_.find(index);
+        if (found == colours_.end())
+            found = colours_.emplace(index, linear(*encoded)).first;
+        return placed(&found->second, own, common);
     }
 
     // Null for index -1.
@@ -132,13 +141,30 @@ public:
         const SceneImage& source = scene_.images[size_t(index)];
         auto found = decoded_.find(index);
         if (found == decoded_.end())
-            found = decoded_.emplace(index, readImage(source.bytes, source.name)).first;
+            found = decoded_.emplace(index, readImage(source.bytes, source.name, kGltfImageFormats)).first;
         return &found->second;
     }
 
 private:
+    const Image* placed(const Image* image, const UvMapping& own, const UvMapping& common)
+    {
+        if (!image || own.set != common.set || own.matrix() == common.matrix() ||
+            !mappingBetween(common, own))
+            return image;
+        return &moved_.emplace_back(moved(*image, own, common));
+    }
+
+    static Image linear(Image image)
+    {
+        const int colours = image.channels >= 3 ? 3 : 1;
+        for (size_t i = 0; i < image.pixels.size(); i += size_t(image.channels))
+            for (int c = 0; c < colours; ++c)
+                image.pixels[i + size_t(c)] = decodeSrgb(image.pixels[i + size_t(c)]);
+        return image;
+    }
+
     const Scene& scene_;
-    std::map<int, Image> decoded_;
+    std::map<int, Image> decoded_, colours_;
     std::deque<Image> moved_;
 };
 
@@ -163,12 +189,8 @@ struct SameSize {
     }
     SameSize(const SameSize&) = delete;
 
-    // Colour channel c, decoded from sRGB; 1 without an image.
-    float colour(size_t i, int x, int y, int c) const
-    {
-        return images[i] ? decodeSrgb(texel(*images[i], x, y, c)) : 1.0f;
-    }
-    // Channel c as stored; 1 without an image.
+    // Channel c of Decoder::colours(), and of others as stored; 1 without an image.
+    float colour(size_t i, int x, int y, int c) const { return value(i, x, y, c); }
     float value(size_t i, int x, int y, int c) const { return images[i] ? texel(*images[i], x, y, c) : 1.0f; }
     float alpha(size_t i, int x, int y) const { return images[i] ? alphaOf(*images[i], x, y) : 1.0f; }
 
@@ -213,10 +235,10 @@ float dielectricF0(float ior)
 // the grazing part takes depends on the view (shading.h).
 void setColours(const Material& m, Decoder& decoder, baker::Maps& maps)
 {
-    const SameSize<4> images({decoder.get(m.baseColorImage, m.baseColorUv, m.uv),
+    const SameSize<4> images({decoder.colours(m.baseColorImage, m.baseColorUv, m.uv),
                               decoder.get(m.metallicRoughnessImage, m.metallicRoughnessUv, m.uv),
                               decoder.get(m.specularImage, m.specularUv, m.uv),
-                              decoder.get(m.specularColorImage, m.specularColorUv, m.uv)});
+                              decoder.colours(m.specularColorImage, m.specularColorUv, m.uv)});
     Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
     const float f0 = dielectricF0(m.ior);
     for (int y = 0; y < images.height; ++y)
@@ -242,8 +264,8 @@ void setColours(const Material& m, Decoder& decoder, baker::Maps& maps)
 // KHR_materials_pbrSpecularGlossiness, "BRDF": Kd = diffuse (1 - max(specular)).
 void setSpecularGlossinessColours(const Material& m, Decoder& decoder, baker::Maps& maps)
 {
-    const SameSize<2> images({decoder.get(m.baseColorImage, m.baseColorUv, m.uv),
-                              decoder.get(m.metallicRoughnessImage, m.metallicRoughnessUv, m.uv)});
+    const SameSize<2> images({decoder.colours(m.baseColorImage, m.baseColorUv, m.uv),
+                              decoder.colours(m.metallicRoughnessImage, m.metallicRoughnessUv, m.uv)});
     Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
     for (int y = 0; y < images.height; ++y)
         for (int x = 0; x < images.width; ++x) {
@@ -391,7 +413,7 @@ Image glowImage(const Scene& scene, const Material& material)
 {
     Decoder decoder(scene);
     const SameSize<2> images(
-        {decoder.get(emits(material) ? material.emissiveImage : -1, material.emissiveUv, material.glowUv),
+        {decoder.colours(emits(material) ? material.emissiveImage : -1, material.emissiveUv, material.glowUv),
          decoder.get(occludes(material) ? material.occlusionImage : -1)});
     Image glow(images.width, images.height, 4);
     for (int y = 0; y < images.height; ++y)

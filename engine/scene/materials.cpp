@@ -13,78 +13,124 @@ namespace {
 // Of all chains' finest levels; 64 bytes a texel with the coarser ones: 16 GiB.
 constexpr size_t kMaxSceneTexels = size_t(1) << 28;
 
-BakedMaterial bakeOne(const Scene& scene, const Material& material, const MaterialOptions& options,
-                      const std::string& label)
+// What a material is baked from.
+struct Decoded {
+    baker::Maps maps;
+    Image glow;
+};
+
+BakedMaterial bakeOne(const Scene& scene, const Material& material, Decoded decoded,
+                      const MaterialOptions& options, const std::string& label)
 {
-    const baker::Maps maps = reflectanceMaps(scene, material);
-    Progress progress(label, baker::progressUnits(maps));
+    Progress progress(label, baker::progressUnits(decoded.maps));
     BakedMaterial baked;
     try {
-        baked.reflectance = baker::bake(maps, {options.method, options.model, options.threads}, &progress);
+        baked.reflectance =
+            baker::bake(decoded.maps, {options.method, options.model, options.threads}, &progress);
     } catch (const Error& e) { // the baker knows maps, not files
         throw Error(fmt::format("{}: material '{}': {}", scene.file.string(), material.name, e.what()));
     }
-    baked.glow = mipChain(glowImage(scene, material));
+    baked.glow = mipChain(std::move(decoded.glow));
     return baked;
+}
+
+// The materials of a scene, one after the other.
+class MaterialBaker {
+public:
+    MaterialBaker(const Scene& scene, const MaterialOptions& options)
+        : scene_(scene), options_(options), cache_(scene, options)
+    {
+    }
+
+    void add(size_t index);
+
+    std::vector<BakedMaterial> all;
+    size_t bakedCount = 0;
+
+private:
+    // As an equal material of this scene or from the cache; then it is the last of `all`.
+    bool take(const std::string& key);
+
+    const Scene& scene_;
+    const MaterialOptions& options_;
+    BakeCache cache_;
+    std::map<std::string, size_t> done_; // index of the first material of a key
+};
+
+bool MaterialBaker::take(const std::string& key)
+{
+    const auto [twin, isNew] = done_.try_emplace(key, all.size());
+    if (!isNew) {
+        all.push_back(all[twin->second]);
+        return true;
+    }
+    auto found = cache_.load(key);
+    if (found)
+        all.push_back(std::move(*found));
+    else
+        done_.erase(twin);
+    return found.has_value();
+}
+
+void MaterialBaker::add(size_t index)
+{
+    const Material& material = scene_.materials[index];
+    if (!material.bakedFile.empty()) {
+        all.push_back({.reflectance = baker::readExr(material.bakedFile),
+                       .glow = mipChain(glowImage(scene_, material)),
+                       .opacity = {}});
+        return;
+    }
+    const std::string inputKey = cache_.inputKey(material);
+    if (const auto known = cache_.recall(inputKey); known && take(*known))
+        return;
+    Decoded decoded{reflectanceMaps(scene_, material), glowImage(scene_, material)};
+    const std::string key = cache_.key(decoded.maps, decoded.glow);
+    if (take(key)) {
+        cache_.remember(inputKey, key);
+        return;
+    }
+    done_[key] = all.size();
+    all.push_back(bakeOne(scene_, material, std::move(decoded), options_,
+                          fmt::format("baking {}/{} {}", index + 1, scene_.materials.size(), material.name)));
+    cache_.store(key, all.back());
+    cache_.remember(inputKey, key);
+    // The file holds half floats. Going on with what it says makes the first run and all later ones
+    // give the same picture.
+    if (auto stored = cache_.load(key))
+        all.back() = std::move(*stored);
+    else if (cache_.usable())
+        spdlog::warn("{}: material '{}' cannot be read back from the cache; it is baked anew each time",
+                     scene_.file.string(), material.name);
+    ++bakedCount;
 }
 
 } // namespace
 
 std::vector<BakedMaterial> bakeMaterials(const Scene& scene, const MaterialOptions& options)
 {
-    BakeCache cache(scene, options);
-    std::vector<BakedMaterial> all;
+    MaterialBaker work(scene, options);
+    std::vector<BakedMaterial>& all = work.all;
     all.reserve(scene.materials.size());
-    std::map<std::string, size_t> done; // materials that differ in name only are baked once
-    size_t bakedCount = 0;
     const auto start = std::chrono::steady_clock::now();
     size_t texels = 0;
     for (size_t i = 0; i < scene.materials.size(); ++i) {
-        if (i > 0) {
-            const baker::Level& finest = all.back().reflectance.levels.front();
-            texels += size_t(finest.width) * size_t(finest.height);
-        }
+        work.add(i);
+        const baker::Level& finest = all.back().reflectance.levels.front();
+        texels += size_t(finest.width) * size_t(finest.height);
         if (texels > kMaxSceneTexels)
             throw Error(fmt::format("{}: its materials have more than {} texels; scale its images down",
                                     scene.file.string(), kMaxSceneTexels));
-        const Material& material = scene.materials[i];
-        if (!material.bakedFile.empty()) {
-            all.push_back({.reflectance = baker::readExr(material.bakedFile),
-                           .glow = mipChain(glowImage(scene, material)),
-                           .opacity = {}});
-            continue;
-        }
-        const std::string key = cache.key(material);
-        if (const auto [twin, isNew] = done.try_emplace(key, i); !isNew) {
-            all.push_back(all[twin->second]);
-            continue;
-        }
-        if (auto found = cache.load(key, material)) {
-            all.push_back(std::move(*found));
-            continue;
-        }
-        const std::string label =
-            fmt::format("baking {}/{} {}", i + 1, scene.materials.size(), material.name);
-        all.push_back(bakeOne(scene, material, options, label));
-        cache.store(key, material, all.back());
-        // The file holds half floats. Going on with what it says makes the first run and all later ones
-        // give the same picture.
-        if (auto stored = cache.load(key, material))
-            all.back() = std::move(*stored);
-        else if (cache.usable())
-            spdlog::warn("{}: material '{}' cannot be read back from the cache; it is baked anew each time",
-                         scene.file.string(), material.name);
-        ++bakedCount;
     }
     // Not cached: few materials have any, and twins may differ in it.
     for (size_t i = 0; i < all.size(); ++i)
         all[i].opacity = mipChain(opacityImage(scene, scene.materials[i]));
-    if (bakedCount > 0) {
+    if (work.bakedCount > 0) {
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-        spdlog::info("{}: {} of {} materials baked in {:.1f} s", scene.file.string(), bakedCount,
+        spdlog::info("{}: {} of {} materials baked in {:.1f} s", scene.file.string(), work.bakedCount,
                      scene.materials.size(), seconds.count());
     }
-    return all;
+    return std::move(work.all);
 }
 
 } // namespace lumel::scene

@@ -49,16 +49,6 @@ bool meetsTriangle(const Ray& ray, glm::vec3 a, glm::vec3 b, glm::vec3 c, bool b
     return true;
 }
 
-// As the nodes say; nothing where the mesh does not bend.
-std::vector<Vertex> bentVertices(const Scene& scene, int deformed)
-{
-    if (deformed < 0)
-        return {};
-    const DeformedMesh& d = scene.deformed[size_t(deformed)];
-    return deformedVertices(scene.meshes[size_t(d.mesh)],
-                            d.skin >= 0 ? jointMatrices(scene.skins[size_t(d.skin)]) : Matrices(), d.weights);
-}
-
 Nearest pickMesh(const Scene& scene, size_t object, const Ray& worldRay, float distance)
 {
     const Object& o = scene.objects[object];

@@ -29,17 +29,18 @@ struct TexelMap {
 // 8192. A mesh of more than 2^24 - 1 triangles cannot be indexed: throws Error naming it.
 TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size);
 
-// Level-0 lumel grid of an object whose material is width x height texels: twice the next power of two,
+// Level-0 lumel grid of an object by the sizes of its material's maps in texels: twice the next power of two,
 // because light reflected by interpolated normals varies faster than the normals do (measured on the record's
 // grooves, near: 34.5 dB against the reference, 24.5 dB with lumels as large as texels). Only views that need
-// that level light it. At least kMinGrid, so that light still varies over a plain colour; at most kMaxGrid.
+// that level light it. Emission and occlusion do not vary faster than their texels: the next power of two
+// will do for glow. At least kMinGrid, so that light still varies over a plain colour; at most kMaxGrid.
 inline constexpr uint32_t kMinGrid = 1024, kMaxGrid = 8192;
-glm::uvec2 lumelGrid(int materialWidth, int materialHeight);
+glm::uvec2 lumelGrid(glm::ivec2 material, glm::ivec2 glow);
 
 // The same for a mesh whose lit UVs are not its material UVs: square, and as many lumels on a surface as
 // there would be if they were the same, to the nearest power of two, at most kMaxOwnGrid. At least so fine
 // that unwrapped charts stay clear of each other's filter taps.
 inline constexpr uint32_t kMaxOwnGrid = 4096;
-glm::uvec2 lumelGrid(const scene::Mesh& mesh, int materialWidth, int materialHeight);
+glm::uvec2 lumelGrid(const scene::Mesh& mesh, glm::ivec2 material, glm::ivec2 glow);
 
 } // namespace lumel::tsl

@@ -150,8 +150,12 @@ void Inspector::work(const scene::Scene& scene, const std::vector<scene::BakedMa
     Averages(m.source, levels, m.grid, 0).get(size_t(texel.level), texel.x, texel.y, g.data());
     m.grid.add({stored[kNx], stored[kNy], stored[kSxx], stored[kSxy], stored[kSyy]},
                float(luminance({stored[kKsR], stored[kKsG], stored[kKsB]})), f.data());
-    const Moments mean = momentsOf(m.source, level, texel.x, texel.y);
-    m.grid.add(leanShape(mean), float(luminance(mean.ks)), lean.data());
+    m.grid.add(leanShape(momentsOf(m.source, level, texel.x, texel.y)), 1.0f, lean.data());
+    // With the Ks that serves it best: the projection of the average.
+    const double norm = m.grid.integral(lean.data(), lean.data());
+    const double ks = norm > 0.0 ? m.grid.integral(g.data(), lean.data()) / norm : 0.0;
+    for (float& value : lean)
+        value *= float(ks);
     frameAverage(m.grid, g, result_);
     result_.side = kPictureSide;
     result_.average = {crop(m.grid, g, result_), 0.0};

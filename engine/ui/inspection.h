@@ -1,4 +1,5 @@
-// One texel of a baked material, looked at: its lobe, the average that it stands for, LEAN's lobe.
+// One texel of a baked material, looked at: its lobe, the average that it stands for, LEAN's lobe with its
+// best Ks.
 #pragma once
 #include "baker/bake.h"
 #include "scene/materials.h"

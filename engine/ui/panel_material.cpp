@@ -111,9 +111,10 @@ void drawMaterialTab(const ViewReport& report)
     ImGui::Spacing();
     drawDiscs(view);
     ImGui::PushTextWrapPos();
-    ImGui::TextDisabled("Reflectance over half vectors; %s. Rings at sines of 1/4, 1/2, 3/4 and 1.",
-                        view.half >= 1.0 ? "the whole disc"
-                                         : fmt::format("{:.2f} of the disc across", view.half).c_str());
+    ImGui::TextDisabled(
+        "Reflectance over half vectors; %s. Rings at sines of 1/4, 1/2, 3/4 and 1. LEAN's lobe has "
+        "the strength that serves it best.",
+        view.half >= 1.0 ? "the whole disc" : fmt::format("{:.2f} of the disc across", view.half).c_str());
     ImGui::PopTextWrapPos();
     ImGui::Separator();
     row("Normal", fmt::format("{:.4f}  {:.4f}", b[kNx], b[kNy]));

@@ -77,7 +77,7 @@ bool drawLight(scene::Light& light)
     return changed;
 }
 
-void drawSurroundings(ViewState& state)
+void drawSurroundings(ViewState& state, const ViewReport& report)
 {
     Settings& s = state.settings;
     label("Surroundings");
@@ -102,6 +102,15 @@ void drawSurroundings(ViewState& state)
         ImGui::SliderFloat("##rotation", &s.environmentRotation, -180.0f, 180.0f, "%.0f degrees",
                            ImGuiSliderFlags_AlwaysClamp);
     }
+    label("Ambient");
+    float ambient = s.ambient.value_or(report.ambient);
+    if (ImGui::SliderFloat("##ambient", &ambient, 0.0f, 100.0f, s.ambient ? "%.3g" : "%.3g (usual)",
+                           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
+        s.ambient = ambient;
+    if (ImGui::IsItemClicked(ImGuiMouseButton_Right))
+        s.ambient.reset();
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("an even sky beside the surroundings; right click: the usual");
     label("Shadows");
     ImGui::Checkbox("##shadows", &s.shadows);
     ImGui::Separator();
@@ -136,7 +145,7 @@ void drawLightsTab(ViewState& state, const ViewReport& report)
 {
     if (!report.scene)
         return;
-    drawSurroundings(state);
+    drawSurroundings(state, report);
     const float third = (ImGui::GetContentRegionAvail().x - 2.0f * ImGui::GetStyle().ItemSpacing.x) / 3.0f;
     const char* const names[] = {"Add sun", "Add point", "Add spot"};
     for (int type = 0; type < 3; ++type) {

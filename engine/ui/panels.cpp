@@ -31,8 +31,14 @@ void drawDisplay(ViewState& state)
     Settings& s = state.settings;
     combo("View", "##view", s.view, kViewNames);
     label("Exposure");
-    ImGui::SliderFloat("##exposure", &s.exposure, 0.01f, 100.0f, "%.3g",
-                       ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+    state.exposureChosen |= ImGui::Checkbox("auto", &state.autoExposure);
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    if (ImGui::SliderFloat("##exposure", &s.exposure, 1e-5f, 1e4f, "%.3g",
+                           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
+        state.autoExposure = false;
+        state.exposureChosen = true;
+    }
     combo("Tone map", "##tonemap", s.toneMap, kToneMapNames);
     label("Edges");
     int msaa = s.msaa == 4 ? 1 : 0;

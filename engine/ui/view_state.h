@@ -47,6 +47,8 @@ struct ViewState {
     std::vector<scene::Light> lights;
     bool lightsEdited = false;
     std::string environment;        // none, sky or a file
+    bool autoExposure = false;      // settings.exposure follows what is seen
+    bool exposureChosen = false;    // by hand or an option: other scenes keep it
     std::optional<size_t> selected; // object
     bool materialTab = false;       // the inspector is looked at
     glm::vec2 cursor{-1.0f};        // in the picture; negative: elsewhere
@@ -80,6 +82,7 @@ struct ViewReport {
     std::string message; // shown until `messageUntil`, in seconds of glfwGetTime()
     bool messageIsError = false;
     double messageUntil = 0.0;
+    float ambient = 0.0f;     // radiance of the even sky that is there
     int referenceSamples = 0; // behind psnr
     Inspection inspection;
 };

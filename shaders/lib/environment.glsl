@@ -10,7 +10,8 @@ layout(set = 0, binding = 2) uniform sampler2D environmentMap; // see shared/env
 vec3 environmentRadiance(vec3 d, float level)
 {
     vec2 place = environmentPlace(environmentTurned(view.environment, d));
-    return textureLod(environmentMap, place, level).rgb * view.environment.intensity;
+    vec3 ambient = mix(view.groundRadiance, view.skyRadiance, 0.5 + 0.5 * d.y);
+    return textureLod(environmentMap, place, level).rgb * view.environment.intensity + ambient;
 }
 
 // Taps along a lobe's long axis: at most, and for each of its short deviations that a long one has.

@@ -35,4 +35,11 @@ Footprint footprintOf(vec2 dx, vec2 dy, vec2 size, float anisotropy)
     footprint.axis = 0.5 * direction * major / size;
     return footprint;
 }
+
+// The level of a map whose texels match the footprint, by the map's own size: a material's maps differ in it. Below 0
+// where the map is magnified; clamp it where the map is read, not before it is compared or shifted.
+float levelOf(sampler2D map, vec2 dx, vec2 dy, float anisotropy)
+{
+    return footprintOf(dx, dy, vec2(textureSize(map, 0)), anisotropy).level;
+}
 #endif

@@ -32,30 +32,23 @@ MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 glow
                          base.rgb, base.a);
 }
 
-// Maps beside the reflectance are chains of their own: as many levels coarser as they are smaller.
-vec4 sampleBeside(sampler2D map, vec2 uv, float level)
+// uv: of the reflectance (xy) and of glow (zw). levels: of the reflectance and of glow, which are chains of their own
+// sizes: each counts from its own map's finest level. They may be below 0.
+MaterialTexel sampleMaterial(vec4 uv, vec2 levels)
 {
-    float offset = log2(float(textureSize(mapNormal, 0).x) / float(textureSize(map, 0).x));
-    return textureLod(map, uv, max(level - offset, 0.0));
-}
-
-// uv: of the reflectance (xy) and of glow (zw).
-MaterialTexel sampleMaterial(ObjectAt object, vec4 uv, float level)
-{
-    return unpackMaterial(textureLod(mapNormal, uv.xy, level), textureLod(mapSpecular, uv.xy, level),
-                          textureLod(mapDiffuse, uv.xy, level),
-                          sampleBeside(mapGlow, uv.zw, level + object.at.glowLevelOffset),
-                          sampleBeside(mapBase, uv.xy, level));
+    levels = max(levels, vec2(0.0));
+    return unpackMaterial(textureLod(mapNormal, uv.xy, levels.x), textureLod(mapSpecular, uv.xy, levels.x),
+                          textureLod(mapDiffuse, uv.xy, levels.x), textureLod(mapGlow, uv.zw, levels.y),
+                          textureLod(mapBase, uv.xy, levels.x)); // of the reflectance's size, or constant
 }
 
 MaterialTexel tinted(ObjectAt object, MaterialTexel material, vec3 colour)
 {
-    if (object.at.dielectric >= 0.0)
-        for (int c = 0; c < 3; ++c) {
-            float f0 = tintedSpecular(material.f0[c], material.diffuse[c], object.at.dielectric, colour[c]);
-            material.specular[c] *= f0 / max(material.f0[c], 1e-6);
-            material.f0[c] = f0;
-        }
+    if (object.at.dielectric >= 0.0) {
+        vec3 f0 = tintedSpecular(material.f0, material.diffuse, object.at.dielectric, colour);
+        material.specular *= f0 / max(material.f0, vec3(1e-6));
+        material.f0 = f0;
+    }
     material.diffuse *= colour;
     if ((object.at.flags & kObjectUnlit) != 0u)
         material.emitted *= colour;
@@ -78,8 +71,13 @@ ShadingPoint shadingPoint(ObjectAt object, MaterialTexel material, vec3 position
     bool flip = (object.at.flags & kObjectDoubleSided) != 0u && dot(n, toEye) < 0.0;
     vec3 t = tangent.xyz - n * dot(n, tangent.xyz);
     t = dot(t, t) > 1e-12 ? normalize(t) : normalize(abs(n.x) < 0.9 ? cross(n, vec3(1, 0, 0)) : cross(n, vec3(0, 1, 0)));
-    vec3 b = cross(n, t) * (tangent.w < 0.0 ? -1.0 : 1.0);
+    // Bitangents belong to the object: a transform that mirrors it mirrors them, but not the cross product.
+    bool mirrored = (object.at.flags & kObjectMirrored) != 0u;
+    vec3 b = cross(n, t) * ((tangent.w < 0.0) != mirrored ? -1.0 : 1.0);
+    // Seen from behind, a bump is a dent: it is the map's normal that is reversed, and with it the whole frame.
     n = flip ? -n : n;
+    t = flip ? -t : t;
+    b = flip ? -b : b;
     // Lumels just behind the silhouette are filtered into pixels before it: they are lit as seen along their
     // horizon, so that no highlight of a surface seen from behind leaks around the edge.
     toEye = normalize(toEye - n * min(dot(n, toEye), 0.0) + 1e-6 * n);

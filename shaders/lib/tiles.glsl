@@ -67,6 +67,29 @@ uint childrenLit(ObjectAt object, uint mip, uvec2 tile)
     return youngest;
 }
 
+// All that is known of a tile's light. Not its marks and derivation, which other invocations may be changing.
+TileState lightState(ObjectAt object, uint index)
+{
+    TileState state;
+    state.eye = object.at.tiles.at[index].eye;
+    state.lit = object.at.tiles.at[index].lit;
+    state.centre = object.at.tiles.at[index].centre;
+    state.radius = object.at.tiles.at[index].radius;
+    state.rate = object.at.tiles.at[index].rate;
+    state.turned = object.at.tiles.at[index].turned;
+    state.change = object.at.tiles.at[index].change;
+    state.shown = object.at.tiles.at[index].shown;
+    state.marked = 0u;
+    state.derive = 0u;
+    return state;
+}
+
+// Tiles in a job's list: what found no room is not counted.
+uint listed(Job job)
+{
+    return min(job.count, job.capacity);
+}
+
 // Angle by which the eye has turned around the tile since it was lit, in radians.
 float turnedSince(TileState tile, vec3 eye)
 {

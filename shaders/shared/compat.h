@@ -26,6 +26,7 @@ using glm::cross;
 using glm::dot;
 using glm::exp;
 using glm::findMSB;
+using glm::floatBitsToUint;
 using glm::length;
 using glm::log;
 using glm::log2;

@@ -21,16 +21,18 @@ LUMEL_FN Vertex morphed(Vertex v, MorphDelta delta, float weight)
 }
 
 // m: the mean of the joints' matrices, by their weights. Normals go by its cofactors, which are its inverse
-// transpose times its determinant but need no division: right under scales that differ by axis.
+// transpose times its determinant but need no division: right under scales that differ by axis. Where it mirrors, so
+// does the bitangent, which is the cross product of the other two: w changes its sign.
 LUMEL_FN Vertex bent(Vertex v, mat4 m)
 {
     vec3 x = vec3(m[0]), y = vec3(m[1]), z = vec3(m[2]);
     vec3 normal = v.normal.x * cross(y, z) + v.normal.y * cross(z, x) + v.normal.z * cross(x, y);
-    normal *= dot(x, cross(y, z)) < 0.0f ? -1.0f : 1.0f;
+    float side = dot(x, cross(y, z)) < 0.0f ? -1.0f : 1.0f;
+    normal *= side;
     vec3 tangent = v.tangent.x * x + v.tangent.y * y + v.tangent.z * z;
     v.position = vec3(m * vec4(v.position, 1.0f));
     v.normal = unitOr(normal, vec3(0.0f, 0.0f, 1.0f));
-    v.tangent = vec4(unitOr(tangent, vec3(1.0f, 0.0f, 0.0f)), v.tangent.w);
+    v.tangent = vec4(unitOr(tangent, vec3(1.0f, 0.0f, 0.0f)), side * v.tangent.w);
     return v;
 }
 

@@ -27,6 +27,7 @@ layout(buffer_reference) buffer MorphDeltas;
 layout(buffer_reference) buffer Matrices;
 layout(buffer_reference) buffer Floats;
 layout(buffer_reference) buffer Colours;
+layout(buffer_reference) buffer Histogram;
 #endif
 
 struct Vertex {
@@ -120,6 +121,16 @@ struct View {
     mat4 worldFromClip; // for the background
 };
 
+// Workgroups of 64 invocations that cover a list, in rows: no device has to take more than 65535 workgroups along
+// one dimension (Vulkan 1.3, table of required limits, maxComputeWorkGroupCount).
+LUMEL_CONST uint kMostGroups = 65535u;
+LUMEL_FN uvec2 groupRows(uint invocations)
+{
+    uint groups = max((invocations + 63u) / 64u, 1u);
+    uint rows = (groups + kMostGroups - 1u) / kMostGroups;
+    return uvec2((groups + rows - 1u) / rows, rows);
+}
+
 LUMEL_CONST uint kMaxLevels = 14u; // 8192 lumels down to 1
 
 LUMEL_CONST uint kObjectDoubleSided = 1u;
@@ -127,6 +138,7 @@ LUMEL_CONST uint kObjectMask = 2u; // alpha below alphaCutoff is cut out
 LUMEL_CONST uint kObjectOwnMaterialUv = 4u; // its material UVs are not its lit UVs
 LUMEL_CONST uint kObjectLightable = 8u;     // it can be lit in texture space
 LUMEL_CONST uint kObjectUnlit = 16u; // its colour is what it emits
+LUMEL_CONST uint kObjectMirrored = 32u; // worldFromObject mirrors
 
 struct Object {
     mat4 worldFromObject;
@@ -138,7 +150,7 @@ struct Object {
     uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
     uvec2 litSize;                 // lumels of level 0, powers of two
     float materialLevelOffset;     // material level = lit level + this, where the UVs are the same
-    float glowLevelOffset;         // levels that glow's texels are finer because of UVs of their own
+    float glowLevelOffset;         // the same for glow, a map of a size of its own
     uint flags;                    // kObject...
     float alphaCutoff;
     float dielectric;              // reflectance that vertex colours do not tint; < 0: they tint none
@@ -153,6 +165,7 @@ struct Object {
     uint tileOffsets[kMaxLevels]; // first tile of each MIP
     LUMEL_ADDRESS(TileStates) tiles;
 };
+LUMEL_CONST uint kObjectBytes = 312u; // sizeof
 
 // All MIPs of a lit texture lie in one layer: MIP 0 at (0, 0), the others below each other to its right.
 // One image then serves light, lower and draw without a view for every MIP.
@@ -240,13 +253,15 @@ struct Plan {
     float share;    // of the tiles of that very priority
     uint tilesLit;
     uint lumelsMarked, lumelsLit, lumelsDerived, lumelsPending; // pending: to be lit in later frames
+    uint dropped; // entries that a list had no room for; 0, since lists hold all the tiles there are
 };
 
 // A list of tiles for one dispatch: of one material and pool block (light), or of one block and MIP (lower).
 struct Job {
     uint groups[3]; // of the dispatch; a group takes tile after tile
-    uint count;     // tiles
-    uint first;     // in the list of all jobs' tiles
+    uint count;     // tiles that were to enter the list, of which it holds no more than `capacity`
+    uint capacity;
+    uint first; // in the list of all jobs' tiles
 };
 LUMEL_CONST uint kMaxJobGroups = 16384u;
 
@@ -269,6 +284,7 @@ LUMEL_CONST uint kElongations = 20u; // bins
 LUMEL_CONST uint kElongationsAnOctave = 4u;
 struct NeedTotal {
     uint elongations[kElongations];
+    uint carries[kElongations]; // of these, 2^32 each: a picture of 8192 x 8192 samples may need two
 };
 
 // Of one mesh that joints or morph targets move.
@@ -311,6 +327,7 @@ struct PlanPush {
     uint budgetTiles;    // to light this frame
     float refreshShare;  // of the marked tiles that may be lit again because the eye moved
     float tolerance;     // display value: a smaller expected change is left alone
+    uint markCapacity;   // tiles that the list of marks holds
 };
 
 struct LightPush {
@@ -386,6 +403,13 @@ struct DisplayPush {
     uint toneMap; // kToneMap...
 };
 
+// Rows of pixels that a group of meter.comp counts.
+LUMEL_CONST uint kMeterRows = 16u;
+struct MeterPush {
+    LUMEL_ADDRESS(Histogram) histogram; // kMeterBins
+    uvec2 size;                         // pixels of the source that hold the picture
+};
+
 struct ScalePush {
     uvec2 from, to; // pixels
 };
@@ -396,6 +420,7 @@ LUMEL_SHARED_END
 #include <cstddef>
 namespace lumel::shared {
 static_assert(sizeof(Vertex) == 64 && sizeof(Light) == 56 && sizeof(Tile) == 8);
+static_assert(sizeof(Object) == kObjectBytes);
 static_assert(offsetof(View, objects) % 8 == 0 && offsetof(Object, vertices) % 8 == 0);
 static_assert(sizeof(LitPush) <= 128 && sizeof(PlanPush) <= 128); // lavapipe's push constant limit
 } // namespace lumel::shared

@@ -18,5 +18,15 @@ LUMEL_FN float tintedSpecular(float specular, float diffuse, float dielectric, f
     return own + (specular - own) * colour;
 }
 
+// All three channels. The share of metal is common to them, and so is the colourless part of the reflectance: the
+// channel that reflects most tells it. A dark one cannot, where metal reflects as little as anything else.
+LUMEL_FN vec3 tintedSpecular(vec3 specular, vec3 diffuse, float dielectric, vec3 colour)
+{
+    int most = specular.x >= max(specular.y, specular.z) ? 0 : specular.y >= specular.z ? 1 : 2;
+    float colourless = tintedSpecular(specular[most], diffuse[most], dielectric, 0.0f);
+    vec3 own = min(vec3(colourless, colourless, colourless), specular);
+    return own + (specular - own) * colour;
+}
+
 LUMEL_SHARED_END
 #endif

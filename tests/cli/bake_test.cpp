@@ -41,10 +41,8 @@ TEST_F(Bake, TruncatedImageFails)
     writeHeightMap(folder_ / "whole.png", 64, 64);
     const std::string bytes = readText(folder_ / "whole.png");
     writeText(folder_ / "cut.png", bytes.substr(0, bytes.size() / 2));
-    const Outcome outcome = run({"bake", "--height", "cut.png", "--height-scale", "0.02", "-o", "out.exr"});
-    EXPECT_EQ(outcome.exitCode, 1);
-    EXPECT_NE(outcome.err.find("lumel: cut.png"), std::string::npos)
-        << outcome.err; // libpng adds a line of its own
+    expectOneLine(run({"bake", "--height", "cut.png", "--height-scale", "0.02", "-o", "out.exr"}), 1,
+                  "lumel: cut.png: damaged image");
     EXPECT_FALSE(fs::exists(folder_ / "out.exr"));
 }
 

@@ -82,6 +82,16 @@ void addMotion(nlohmann::json& document, const std::filesystem::path& gltf, int 
          {"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", "translation"}}}}}}}};
 }
 
+void addLight(nlohmann::json& document, const char* type, float intensity)
+{
+    document["extensionsUsed"] = {"KHR_lights_punctual"};
+    document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", type}, {"intensity", intensity}}};
+    document["nodes"].push_back({{"translation", {0, 0, 2}},
+                                 {"rotation", {0.2588190451, 0, 0, -0.9659258263}},
+                                 {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    document["scenes"][0]["nodes"].push_back(document["nodes"].size() - 1);
+}
+
 void writeScene(const std::filesystem::path& gltf, const nlohmann::json& document)
 {
     writeText(gltf, document.dump());

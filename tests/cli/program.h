@@ -24,11 +24,11 @@ protected:
     // Sends SIGINT as soon as the program has run for `milliseconds`.
     Outcome runAndInterrupt(const std::vector<std::string>& arguments, int milliseconds);
 
-    std::filesystem::path folder_;
-
-private:
+    // In two steps, for tests that do something meanwhile.
     pid_t start(const std::vector<std::string>& arguments);
     Outcome finish(pid_t child);
+
+    std::filesystem::path folder_;
 };
 
 std::string readText(const std::filesystem::path& file);

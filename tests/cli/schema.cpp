@@ -44,6 +44,7 @@ json formOfRun()
                         {"tiles", {{"marked", 0}, {"lit", 0}}},
                         {"pool", {{"used_bytes", 0}, {"cap_bytes", 0}, {"textures", 0}}},
                         {"objects", {{"tsl", 0}, {"forward", 0}, {"culled", 0}}},
+                        {"exposure", 0},
                         {"render_scale", 0},
                         {"lumel_budget", nullptr},
                         {"budget_bias", 0},

@@ -1,7 +1,14 @@
 // libFuzzer target: any bytes as a baked EXR. It is read whole or it is an Error.
 #include "baker/bake.h"
+#include "core/decoder_process.h"
 #include "core/error.h"
 #include "fuzz_file.h"
+
+extern "C" int LLVMFuzzerInitialize(int*, char***)
+{
+    lumel::decodeInThisProcess();
+    return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -1,4 +1,5 @@
 // libFuzzer target: any bytes as a glTF file. It loads, with its material maps, or it is an Error.
+#include "core/decoder_process.h"
 #include "core/error.h"
 #include "fuzz_file.h"
 #include "scene/material_maps.h"
@@ -26,6 +27,12 @@ void load(const std::filesystem::path& file)
 
 } // namespace
 } // namespace lumel
+
+extern "C" int LLVMFuzzerInitialize(int*, char***)
+{
+    lumel::decodeInThisProcess();
+    return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size)
 {

@@ -239,3 +239,16 @@ TEST(Tint, AColourChangesWhatIsMetalOnly)
                         << d << ' ' << m << ' ' << b << ' ' << c;
                 }
 }
+
+TEST(Tint, ADarkChannelOfAMetalIsTintedToo)
+{
+    // A red metal reflects less green and blue than what is not metal.
+    const glm::vec3 metal(0.9f, 0.03f, 0.01f), colour(0.5f, 0.25f, 0.0f);
+    const glm::vec3 tinted = shared::tintedSpecular(metal, glm::vec3(0.0f), 0.04f, colour);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(tinted[c], metal[c] * colour[c], 1e-6f) << c;
+    // What is not metal at all keeps its reflectance, however dark it is.
+    const glm::vec3 plain = shared::tintedSpecular(glm::vec3(0.04f), {0.5f, 0.01f, 0.0f}, 0.04f, colour);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(plain[c], 0.04f, 1e-6f) << c;
+}

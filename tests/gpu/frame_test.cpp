@@ -22,13 +22,15 @@ TEST_F(FrameTest, ForwardPixelEqualsTheSharedFormulaInCpp)
     settings.msaa = 1;
     const Picture picture = shoot(s, camera, settings);
 
-    const glm::vec3 covariance(1.0f / 50.0f, 0.0f, 1.0f / 50.0f);
+    const float* texel = s.materials[0].reflectance.levels[0].at(0, 0);
+    ASSERT_NE(texel[baker::kSxy], 0.0f) << "axes matter";
+    const glm::vec3 covariance(texel[baker::kSxx], texel[baker::kSxy], texel[baker::kSyy]);
     const auto surface =
         shared::reflectanceTowards({.lobe = shared::makeLobe({0, 0, 1}, covariance),
                                     .macroNormal = {0, 0, 1},
                                     .specular = shared::specularStrength(maps.specularConstant, covariance),
                                     .f0 = maps.specularConstant,
-                                    .baseVariance = 1.0f / 50.0f,
+                                    .baseVariance = shared::baseVariance(covariance),
                                     .diffuse = maps.diffuseConstant},
                                    {0, 0, 1});
     const glm::vec3 l = -s.scene.lights[0].direction;

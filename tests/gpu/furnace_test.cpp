@@ -21,8 +21,9 @@ TestScene spheres()
     TestScene s;
     for (int column = 0; column < kColumns; ++column)
         for (const bool metal : {true, false}) {
-            baker::Maps maps =
-                plainMaps(glm::vec3(metal ? 0.0f : 0.96f), shared::powerFromRoughness(kRoughnesses[column]));
+            const float power = shared::powerFromRoughness(kRoughnesses[column]);
+            baker::Maps maps = plainMaps(glm::vec3(metal ? 0.0f : 0.96f), power);
+            maps.anisotropicPower = {power, power};
             maps.specularConstant = glm::vec3(metal ? 1.0f : 0.04f);
             const glm::vec3 place((float(column) - 0.5f * float(kColumns - 1)) * kSpacing,
                                   metal ? 0.5f * kSpacing : -0.5f * kSpacing, 0.0f);

@@ -189,13 +189,16 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Plan, lumelsLit);
     EXPECT_OFFSET(Plan, lumelsDerived);
     EXPECT_OFFSET(Plan, lumelsPending);
+    EXPECT_OFFSET(Plan, dropped);
     EXPECT_OFFSET(Job, groups);
     EXPECT_OFFSET(Job, count);
+    EXPECT_OFFSET(Job, capacity);
     EXPECT_OFFSET(Job, first);
     EXPECT_OFFSET(Need, level);
     EXPECT_OFFSET(Need, samples);
     EXPECT_OFFSET(NeedPush, needs);
     EXPECT_OFFSET(NeedTotal, elongations);
+    EXPECT_OFFSET(NeedTotal, carries);
     EXPECT_OFFSET(NeedPush, total);
     EXPECT_OFFSET(NeedPush, jitter);
     EXPECT_OFFSET(NeedPush, divisor);
@@ -214,6 +217,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(PlanPush, budgetTiles);
     EXPECT_OFFSET(PlanPush, refreshShare);
     EXPECT_OFFSET(PlanPush, tolerance);
+    EXPECT_OFFSET(PlanPush, markCapacity);
     EXPECT_OFFSET(LightPush, jobs);
     EXPECT_OFFSET(LightPush, tiles);
     EXPECT_OFFSET(LightPush, job);
@@ -241,6 +245,8 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(PoolPush, shade);
     EXPECT_OFFSET(DisplayPush, weight);
     EXPECT_OFFSET(DisplayPush, size);
+    EXPECT_OFFSET(MeterPush, histogram);
+    EXPECT_OFFSET(MeterPush, size);
     EXPECT_OFFSET(ScalePush, from);
     EXPECT_OFFSET(ScalePush, to);
 }

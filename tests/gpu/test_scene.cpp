@@ -1,13 +1,31 @@
 #include "test_scene.h"
 #include "core/compare.h"
+#include "passes/demands.h"
+#include <cstdlib>
 #include <random>
 
 namespace lumel::test {
 
+namespace {
+
+// Given up before main() ends: at exit, validation layers and drivers are torn down in an order of their own.
+std::unique_ptr<gpu::Device> sharedDevice;
+
+struct GivesDeviceUp : testing::Environment {
+    void TearDown() override { sharedDevice.reset(); }
+};
+const auto* const givesDeviceUp = testing::AddGlobalTestEnvironment(new GivesDeviceUp);
+
+} // namespace
+
 const gpu::Device& device()
 {
-    static const gpu::Device instance({.device = "", .validation = true});
-    return instance;
+    if (!sharedDevice) {
+        const char* wanted = std::getenv("LUMEL_DEVICE");
+        sharedDevice =
+            std::make_unique<gpu::Device>(forRendering({.device = wanted ? wanted : "", .validation = true}));
+    }
+    return *sharedDevice;
 }
 
 namespace {
@@ -97,7 +115,7 @@ void TestScene::add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& 
     scene.meshes.push_back(std::move(mesh));
     scene.materials.emplace_back();
     scene::BakedMaterial baked;
-    baked.reflectance = baker::bake(maps, {.model = baker::Model::blinnPhong});
+    baked.reflectance = baker::bake(maps, {});
     baked.glow.emplace_back(1, 1, 4);
     baked.glow.front().pixels = {0.0f, 0.0f, 0.0f, 1.0f};
     baked.opacity.emplace_back(1, 1, 1);
@@ -105,12 +123,23 @@ void TestScene::add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& 
     materials.push_back(std::move(baked));
 }
 
+namespace {
+// A quarter of the power along the other axis, turned off the tangent frame's own axes: exchanged or mirrored
+// axes change the picture.
+void makeAnisotropic(baker::Maps& maps, float power)
+{
+    maps.anisotropicPower = {power, 0.25f * power};
+    maps.tangentRotation = Image(1, 1, 1);
+    maps.tangentRotation.pixels = {0.15f}; // half turns
+}
+} // namespace
+
 baker::Maps plainMaps(glm::vec3 diffuse, float power)
 {
     baker::Maps maps;
     maps.normal = Image(1, 1, 3);
     maps.normal.pixels = {0.5f, 0.5f, 1.0f};
-    maps.powerConstant = power;
+    makeAnisotropic(maps, power);
     maps.diffuseConstant = diffuse;
     return maps;
 }
@@ -123,7 +152,7 @@ baker::Maps bumpyMaps(int size, float scale, float power)
     for (float& h : maps.height.pixels)
         h = float(random() % 65536) / 65536.0f;
     maps.heightScale = scale / float(size);
-    maps.powerConstant = power;
+    makeAnisotropic(maps, power);
     maps.diffuseConstant = glm::vec3(0.3f);
     maps.specularConstant = glm::vec3(0.2f);
     return maps;

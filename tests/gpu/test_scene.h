@@ -27,11 +27,12 @@ struct TestScene {
     scene::Scene scene;
     std::vector<scene::BakedMaterial> materials;
 
-    // Bakes `maps` and adds the mesh as an object of that material.
+    // Bakes `maps` with the default model and adds the mesh as an object of that material.
     void add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& worldFromObject = glm::mat4(1.0f));
 };
 
-// Matte with a broad highlight, no maps.
+// Matte with a broad highlight, no maps. All lobes of these scenes are anisotropic and turned, so that
+// mistakes in their axes show.
 baker::Maps plainMaps(glm::vec3 diffuse = glm::vec3(0.5f), float power = 20.0f);
 // Random bumps, `size` texels square.
 baker::Maps bumpyMaps(int size, float scale, float power);

@@ -220,6 +220,28 @@ TEST_F(View, PlaysAnimationsAndCopiesTheirSecond)
     EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
 }
 
+TEST_F(View, AutomaticExposureIsANumberInTheCopiedCommand)
+{
+    nlohmann::json scene = cli::squareScene(folder_ / "bright.gltf");
+    cli::addLight(scene, "directional", 100000.0f);
+    cli::writeScene(folder_ / "bright.gltf", scene);
+    start({"bright.gltf", "--size", "700x300", "--validate"});
+    const Window window = display->find("bright.gltf - Lumel");
+    ASSERT_NE(window, 0u) << log();
+    EXPECT_TRUE(says(" (auto)")) << log();
+    const Image picture = screenshot(); // equal to what its command renders
+    EXPECT_NE(readText(folder_ / "lumel-001.txt").find("--exposure "), std::string::npos);
+    const float middle = *picture.at(picture.width / 2, picture.height / 2);
+    EXPECT_GT(middle, 0.3f);
+    EXPECT_LT(middle, 0.8f);
+    display->drag(window, 1, 100, 100, 220, 100); // turns: another exposure, by and by
+    pause(1500);
+    screenshot();
+    display->key("q", {"Control_L"});
+    EXPECT_EQ(finish(), 0) << log();
+    EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
+}
+
 TEST_F(View, TakesDropsAndKeepsTheOldSceneWhenOneFails)
 {
     start({"first.gltf", "--size", "700x300", "--validate"});

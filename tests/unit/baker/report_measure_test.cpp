@@ -69,6 +69,7 @@ TEST(ReportMeasure, FiguresAreTheOracles)
     for (size_t method = 0; method < m.report.measured.methods.size(); ++method) {
         Options options;
         options.method = forms[method];
+        options.bestKs = true;
         const ReflectanceMips stored = bake(m.maps, options);
         double sum = 0.0, worst = 0.0;
         for (int i = 0; i < 16; ++i) {
@@ -102,6 +103,62 @@ TEST(ReportMeasure, MeasuresOddSizesAndTexelsOfFineLevels)
     }
 }
 
+// A baked closed form keeps its mean Ks, and is shown beside itself at its best.
+TEST(ReportMeasure, BakedClosedFormsAreNamedByTheirKs)
+{
+    Options lean;
+    lean.method = Method::lean;
+    const Measured m = measured(smallMap(), lean);
+    EXPECT_EQ(m.report.measured.methods[0], "lean, mean Ks");
+    EXPECT_EQ(m.report.measured.methods[1], "lean");
+    const auto json = nlohmann::json::parse(reportJson(m.report));
+    for (const auto& level : json["levels"]) {
+        EXPECT_EQ(level["methods"][0]["ks"], "mean");
+        EXPECT_EQ(level["methods"][1]["method"], "lean");
+        EXPECT_EQ(level["methods"][1]["ks"], "best");
+        EXPECT_GT(level["methods"][0]["measured"]["mean"], level["methods"][1]["measured"]["mean"]);
+    }
+}
+
+// Diffuse errors against sums over a dense grid of lights, written anew.
+TEST(ReportMeasure, DiffuseErrorsAreThoseOfBruteForce)
+{
+    Maps maps = normalMaps(noiseNormals(16, 16, 0.6f, 5), 60.0f);
+    maps.diffuse = bumps(16, 16);
+    const Measured m = measured(maps);
+    const MeasuredLevel& level = m.report.measured.levels[1]; // 4 x 4: every texel is measured
+    double sum = 0.0, worst = 0.0;
+    for (int i = 0; i < 16; ++i) {
+        const float* t = m.mips.levels[2].at(i % 4, i / 4);
+        double error = 0.0, energy = 0.0;
+        constexpr int kSide = 200; // of cos(theta) and of phi
+        for (int a = 0; a < kSide; ++a)
+            for (int b = 0; b < kSide; ++b) {
+                const double z = (a + 0.5) / kSide, r = std::sqrt(1.0 - z * z),
+                             phi = 6.2831853072 * b / kSide;
+                const auto matte = [&](const float* texel) {
+                    const double nx = texel[kNx], ny = texel[kNy], nz = std::sqrt(1.0 - nx * nx - ny * ny);
+                    return texel[kKdG] *
+                           std::max(0.0, nx * r * std::cos(phi) + ny * r * std::sin(phi) + nz * z);
+                };
+                double average = 0.0;
+                for (int k = 0; k < 16; ++k)
+                    average += matte(m.mips.levels[0].at(i % 4 * 4 + k % 4, i / 4 * 4 + k / 4)) / 16.0;
+                error += (matte(t) - average) * (matte(t) - average);
+                energy += average * average;
+            }
+        sum += error / energy;
+        worst = std::max(worst, error / energy);
+    }
+    EXPECT_GT(sum / 16.0, 1e-3) << "these bumps cut light off";
+    EXPECT_NEAR(level.diffuse[0].mean, sum / 16.0, 0.02 * sum / 16.0);
+    EXPECT_NEAR(level.diffuse[0].worst, worst, 0.02 * worst);
+    // Flat maps: the average is one normal's, and exact.
+    const Measured flat = measured(normalMaps(constantImage(8, 8, {0.5f, 0.5f, 1.0f}), 50.0f));
+    for (const MeasuredLevel& l : flat.report.measured.levels)
+        EXPECT_LT(l.diffuse[0].worst, 1e-9);
+}
+
 TEST(ReportMeasure, PathsRunDownToTheFit)
 {
     const Measured m = measured(smallMap());
@@ -123,7 +180,7 @@ TEST(ReportMeasure, JsonHasTheDocumentedFields)
 {
     const Measured m = measured(smallMap());
     const auto json = nlohmann::json::parse(reportJson(m.report));
-    EXPECT_EQ(json["schema"], 1);
+    EXPECT_EQ(json["schema"], 2);
     EXPECT_EQ(json["map"], m.report.name);
     EXPECT_EQ(json["size"], nlohmann::json({16, 16}));
     EXPECT_EQ(json["source"], m.mips.source);
@@ -138,12 +195,15 @@ TEST(ReportMeasure, JsonHasTheDocumentedFields)
     for (const auto& level : json["levels"]) {
         EXPECT_GT(level["measured_texels"], 0);
         ASSERT_EQ(level["methods"].size(), 6u);
-        for (const auto& method : level["methods"])
+        for (const auto& method : level["methods"]) {
+            EXPECT_EQ(method["ks"], "best");
             for (const char* name : {"mean", "p95", "worst"}) {
                 EXPECT_TRUE(method[name].is_number()) << name;
+                EXPECT_TRUE(method["diffuse"][name].is_number()) << name;
                 EXPECT_NEAR(method["measured"][name], method[name], 2e-3 * (1.0 + double(method[name])))
                     << method["method"] << " level " << level["level"];
             }
+        }
     }
 }
 

@@ -14,7 +14,7 @@ TEST(Report, ComparesTheFitWithEveryClosedForm)
     const Maps maps = heightMaps(bumps(32, 32), 0.2f, 120.0f);
     const ReflectanceMips mips = bake(maps, {});
     const auto json = nlohmann::json::parse(reportJson(makeReport(maps, {}, mips, 1.5)));
-    EXPECT_EQ(json["schema"], 1);
+    EXPECT_EQ(json["schema"], 2);
     EXPECT_EQ(json["seconds"], 1.5);
     ASSERT_EQ(json["levels"].size(), mips.levels.size() - 1);
     for (const auto& level : json["levels"]) {

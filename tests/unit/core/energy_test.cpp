@@ -154,7 +154,7 @@ namespace {
 
 // Spheres of one roughness under a light at an angle to the view: ours and GGX with multiple scattering.
 struct Spheres {
-    static constexpr int kSize = 64;
+    static constexpr int kSize = 256; // the smoothest highlight is a few pixels across
     Image ours{kSize, kSize, 3}, ggx{kSize, kSize, 3};
 
     Spheres(const test::GgxReference& reference, float roughness, vec3 f0, vec3 diffuse, float angle)

@@ -1,6 +1,5 @@
 // Every glTF in Debian's assimp-testmodels, right or wrong on purpose: it loads with its images, or it is
 // refused with one line. LUMEL_TABLE=1 prints which, and why.
-#include "../core/oiio_leak.h"
 #include "gltf_builder.h"
 #include "scene/material_maps.h"
 #include <algorithm>
@@ -23,7 +22,6 @@ std::vector<std::filesystem::path> modelFiles()
 // What loading says: the number of objects, or the message after the file's name.
 std::string outcome(const std::filesystem::path& file, bool& loaded)
 {
-    const IgnoreOiioLeak ignore;
     size_t objects = 0;
     const std::string message = errorOf([&] {
         const Scene scene = loadGltf(file);

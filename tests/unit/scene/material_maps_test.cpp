@@ -1,4 +1,3 @@
-#include "../core/oiio_leak.h"
 #include "gltf_builder.h"
 #include "scene/material_maps.h"
 #include "shared/energy.h"
@@ -169,6 +168,28 @@ TEST_F(MaterialMaps, ImagesOfOneMaterialMayDifferInSize)
     expectNear(maps.diffuse.at(0, 2), glm::vec3(kLeft * 0.25f));
 }
 
+// Half of white and half of black is half the light, not the middle of the encoding, which is a fifth of it.
+TEST_F(MaterialMaps, ColoursAreDecodedBeforeTheyAreResampled)
+{
+    const auto blackAndWhite = [](int x, int, int) { return x == 0 ? 0 : 255; };
+    const auto any = [](int x, int, int) { return 50 * x; };
+    material.baseColorImage = material.emissiveImage = addImage(2, 1, 3, blackAndWhite);
+    material.metallicRoughnessImage = material.occlusionImage = addImage(6, 1, 3, any);
+    material.metallic = 0.0f;
+    material.emissive = glm::vec3(1.0f);
+    const baker::Maps maps = reflectanceMaps(scene, material);
+    ASSERT_EQ(maps.diffuse.width, 6);
+    const Image glow = glowImage(scene, material);
+    ASSERT_EQ(glow.width, 6);
+    // Centres of six texels in two: the second lies on the black one, the third a third of the way to white.
+    for (const auto& [image, white] : {std::pair(&maps.diffuse, kLeft), {&glow, 1.0f}}) {
+        expectNear(image->at(1, 0), glm::vec3(0.0f));
+        expectNear(image->at(2, 0), glm::vec3(white / 3.0f));
+        expectNear(image->at(3, 0), glm::vec3(2.0f * white / 3.0f));
+        expectNear(image->at(4, 0), glm::vec3(white));
+    }
+}
+
 TEST_F(MaterialMaps, ImagesOfOneValueBecomeConstants)
 {
     material.baseColorImage = addImage(16, 16, 3, [](int, int, int) { return 255; });
@@ -314,7 +335,6 @@ TEST_F(MaterialMaps, UnlitReflectsNothing)
 
 TEST_F(MaterialMaps, BrokenImagesAreNamed)
 {
-    const IgnoreOiioLeak ignore;
     material.normalImage = addImage(2, 2, 3, [](int, int, int) { return 128; });
     scene.images[0].bytes.resize(20);
     EXPECT_TRUE(contains(errorOf([&] { reflectanceMaps(scene, material); }), "image0.png"));

@@ -24,7 +24,7 @@ TEST(LumelGrid, FollowsTheMaterialsDensity)
         scene::Mesh mesh = plane;
         for (scene::Vertex& v : mesh.vertices)
             v.materialUv *= tiles;
-        return lumelGrid(mesh, texels, texels);
+        return lumelGrid(mesh, glm::ivec2(texels), glm::ivec2(1));
     };
     EXPECT_EQ(gridAt(1.0f, 512), glm::uvec2(2048)); // 1024 lumels across, as if lit at the material's UVs
     EXPECT_EQ(gridAt(2.0f, 256), glm::uvec2(2048));
@@ -40,7 +40,7 @@ TEST(LumelGrid, ChartsKeepClearOfEachOthersFilterTaps)
     for (const scene::Mesh& shape :
          {scene::cubeShape(), scene::torusShape(), scene::rampShape(), scene::soupShape(3, 600)}) {
         const scene::Mesh mesh = unwrapped(shape);
-        const glm::uvec2 size = lumelGrid(mesh, 64, 64);
+        const glm::uvec2 size = lumelGrid(mesh, glm::ivec2(64), glm::ivec2(1));
         EXPECT_GE(mesh.unwrapped->gap * float(size.x), 4.0f);
         // Vertices of a chart share indices or places; charts share neither.
         std::map<std::pair<float, float>, uint32_t> places;
@@ -87,7 +87,7 @@ TEST(LumelGrid, EveryTriangleOfAnUnwrappedMeshHasALumelNear)
         scene::addTriangle(shape, {x, 0, 0}, {x, 0.0004f, 0}, {x, 0, 0.0004f});
     }
     const scene::Mesh mesh = unwrapped(shape);
-    const TexelMap map = makeTexelMap(mesh, lumelGrid(mesh, 1, 1));
+    const TexelMap map = makeTexelMap(mesh, lumelGrid(mesh, glm::ivec2(1), glm::ivec2(1)));
     for (size_t i = 0; i < mesh.indices.size(); i += 3) {
         const glm::vec2 centre = (mesh.vertices[mesh.indices[i]].uv + mesh.vertices[mesh.indices[i + 1]].uv +
                                   mesh.vertices[mesh.indices[i + 2]].uv) /

@@ -109,8 +109,11 @@ TEST(TexelMap, DegenerateTrianglesCoverNothing)
 
 TEST(LumelGrid, IsAPowerOfTwoAndTwiceAsFineAsTheMaterial)
 {
-    EXPECT_EQ(lumelGrid(1, 1), glm::uvec2(kMinGrid));
-    EXPECT_EQ(lumelGrid(1000, 600), glm::uvec2(2048, 2048));
-    EXPECT_EQ(lumelGrid(2048, 1024), glm::uvec2(4096, 2048));
-    EXPECT_EQ(lumelGrid(16384, 16384), glm::uvec2(kMaxGrid));
+    const glm::ivec2 none(1); // no glow that varies
+    EXPECT_EQ(lumelGrid({1, 1}, none), glm::uvec2(kMinGrid));
+    EXPECT_EQ(lumelGrid({1000, 600}, none), glm::uvec2(2048, 2048));
+    EXPECT_EQ(lumelGrid({2048, 1024}, none), glm::uvec2(4096, 2048));
+    EXPECT_EQ(lumelGrid({16384, 16384}, none), glm::uvec2(kMaxGrid));
+    EXPECT_EQ(lumelGrid({1, 1}, {4096, 2048}), glm::uvec2(4096, 2048)) << "emission shows as finely as it is";
+    EXPECT_EQ(lumelGrid({1024, 1024}, {2048, 4096}), glm::uvec2(2048, 4096));
 }

@@ -1,0 +1,35 @@
+// How bright is the view? A small picture of it is drawn and its luminances are counted.
+#include "frame.h"
+
+namespace lumel {
+
+// Forward at one sample a pixel, whatever the renderer's own shading, size and display: so all of them agree
+// on a view's exposure, and it is known before anything is lit.
+LuminanceHistogram Renderer::meter(const scene::Camera& camera)
+{
+    constexpr float kLongerSide = 256.0f; // pixels
+    Settings settings = settings_;
+    settings.shading = Shading::forward;
+    settings.view = View::none;
+    settings.msaa = 1;
+    settings.budgetMs = 0.0;
+    const glm::vec2 size(settings_.size);
+    settings.size =
+        glm::max(glm::uvec2(glm::round(size * std::min(1.0f, kLongerSide / std::max(size.x, size.y)))), 1u);
+    if (!meter_)
+        meter_ = std::make_unique<MeterPass>(device_, scene_);
+    Targets targets(device_, settings);
+    const FrameStats before = std::exchange(stats_, {});
+    Frame frame = makeFrame(camera, settings, targets, frameIndex_ + 1);
+    writeView(frame, glm::vec2(0.0f));
+    begin(frame);
+    deform_.record(frame);
+    shadow_.record(frame);
+    draw_.record(frame, pool_);
+    meter_->record(frame);
+    finish(frame);
+    stats_ = before;
+    return meter_->read();
+}
+
+} // namespace lumel

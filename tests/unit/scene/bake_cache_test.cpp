@@ -1,0 +1,211 @@
+// The cache's keys: every field of a material in turn, against what is baked.
+#include "core/file.h"
+#include "gltf_builder.h"
+#include "scene/bake_cache.h"
+#include "scene/material_fields.h"
+#include "scene/material_maps.h"
+#include <map>
+#include <random>
+
+namespace lumel::scene {
+namespace {
+
+// Another value of any field. Integers are indices of images.
+void changeField(std::string& name)
+{
+    name += "!";
+}
+void changeField(std::filesystem::path&)
+{
+    // A baked file takes the place of all that is tested here.
+}
+void changeField(bool& flag)
+{
+    flag = !flag;
+}
+void changeField(float& value)
+{
+    value = 0.5f * value + 0.125f;
+}
+void changeField(glm::vec2& v)
+{
+    v = v * 2.0f + 0.25f;
+}
+void changeField(glm::vec3& v)
+{
+    v.y = 0.5f * v.y + 0.125f;
+}
+void changeField(glm::vec4& v)
+{
+    v.z = 0.5f * v.z + 0.125f;
+}
+void changeField(int& image)
+{
+    image = image == 0 ? 1 : 0;
+}
+void changeField(AlphaMode& mode)
+{
+    mode = AlphaMode::blend;
+}
+void changeField(Wrap& wrap)
+{
+    wrap = wrap == Wrap::clamp ? Wrap::mirror : Wrap::clamp;
+}
+
+// `material` with one field changed, for each field in turn; of mappings, each of theirs.
+std::vector<Material> variants(const Material& material)
+{
+    std::vector<Material> all;
+    for (int n = 0;; ++n) {
+        Material changed = material;
+        int i = 0;
+        const auto visit = [&](auto& field) {
+            const auto one = [&](auto& value) {
+                if (i++ == n)
+                    changeField(value);
+            };
+            if constexpr (std::is_same_v<decltype(field), UvMapping&>)
+                forEachUvMappingField(field, one);
+            else
+                one(field);
+        };
+        forEachMaterialField(changed, visit);
+        if (n >= i)
+            return all;
+        all.push_back(changed);
+    }
+}
+
+// All that a bake gives, as numbers.
+std::vector<float> numbersOf(const BakedMaterial& baked)
+{
+    std::vector<float> numbers;
+    for (const baker::Level& level : baked.reflectance.levels) {
+        numbers.insert(numbers.end(), {float(level.width), float(level.height)});
+        numbers.insert(numbers.end(), level.texels.begin(), level.texels.end());
+    }
+    const Image& glow = baked.glow.front();
+    numbers.insert(numbers.end(), {float(glow.width), float(glow.height)});
+    numbers.insert(numbers.end(), glow.pixels.begin(), glow.pixels.end());
+    return numbers;
+}
+
+struct BakeKeys : testing::Test {
+    TemporaryFolder folder;
+    Scene scene;
+
+    BakeKeys()
+    {
+        scene.file = "test.gltf";
+        std::mt19937 random(3);
+        for (const int size : {8, 8, 4}) {
+            Image image(size, size, 4);
+            for (float& value : image.pixels)
+                value = 0.25f + 0.5f * float(random() % 256) / 255.0f;
+            writeImage(folder / "image.png", image);
+            scene.images.push_back({"image.png", readFile(folder / "image.png")});
+        }
+    }
+
+    // Materials that between them read every field.
+    static std::map<std::string, Material> materials()
+    {
+        Material plain;
+        plain.normalImage = 0;
+        plain.heightScale = 0.1f; // read once a height image is given
+        plain.roughness = 0.6f;
+        Material full = plain;
+        full.baseColor = {0.8f, 0.6f, 0.9f, 1.0f};
+        full.metallic = 0.7f;
+        full.emissive = {0.5f, 0.25f, 1.0f};
+        full.baseColorImage = full.occlusionImage = full.specularImage = full.anisotropyImage = 1;
+        full.metallicRoughnessImage = full.emissiveImage = full.specularColorImage = 2;
+        full.specularColor = {0.9f, 0.5f, 0.7f};
+        full.anisotropy = 0.6f;
+        full.anisotropyRotation = 0.4f;
+        Material glossy = full;
+        glossy.specularGlossiness = true;
+        glossy.anisotropy = 0.0f;
+        Material high = full;
+        high.heightImage = 1;
+        high.power = 50.0f;
+        Material unlit = full;
+        unlit.unlit = true;
+        return {{"plain", plain}, {"full", full}, {"glossy", glossy}, {"high", high}, {"unlit", unlit}};
+    }
+
+    void cacheIn(const std::string& name) const { setenv("XDG_CACHE_HOME", (folder / name).c_str(), 1); }
+    std::vector<float> bake(const Material& material, const std::string& cache)
+    {
+        cacheIn(cache);
+        scene.materials = {material};
+        return numbersOf(bakeMaterials(scene, {.method = baker::Method::lean}).front());
+    }
+};
+
+TEST_F(BakeKeys, ChangeExactlyWhenTheResultDoes)
+{
+    cacheIn("cache");
+    const BakeCache cache(scene, {});
+    baker::Options options;
+    options.method = baker::Method::lean; // fast
+    const auto keyAndResult = [&](const Material& material) {
+        const baker::Maps maps = reflectanceMaps(scene, material);
+        const Image glow = glowImage(scene, material);
+        return std::pair(cache.key(maps, glow), numbersOf({baker::bake(maps, options), {glow}, {}}));
+    };
+    int changes = 0;
+    for (const auto& [name, material] : materials()) {
+        const auto [key, result] = keyAndResult(material);
+        const std::vector<Material> all = variants(material);
+        ASSERT_GT(all.size(), 70u);
+        for (size_t i = 0; i < all.size(); ++i) {
+            const auto [otherKey, otherResult] = keyAndResult(all[i]);
+            EXPECT_EQ(otherKey != key, otherResult != result) << name << ", field " << i;
+            if (otherResult != result) {
+                EXPECT_NE(cache.inputKey(all[i]), cache.inputKey(material)) << name << ", field " << i;
+            }
+            changes += otherResult != result;
+        }
+    }
+    EXPECT_GT(changes, 80); // the test tests something
+}
+
+// The same from outside: with a full cache, a changed material looks as it does with an empty one.
+TEST_F(BakeKeys, AFullCacheGivesWhatAnEmptyOneDoes)
+{
+    const Material full = materials().at("full");
+    const auto before = bake(full, "used");
+    const std::vector<Material> all = variants(full);
+    for (size_t i = 0; i < all.size(); ++i)
+        EXPECT_EQ(bake(all[i], "used"), bake(all[i], "fresh" + std::to_string(i))) << "field " << i;
+    EXPECT_EQ(bake(full, "used"), before);
+}
+
+TEST_F(BakeKeys, FollowImagesAndOptionsButNotThreadsAndNames)
+{
+    cacheIn("cache");
+    const Material full = materials().at("full");
+    const baker::Maps maps = reflectanceMaps(scene, full);
+    const auto inputKey = [&](const MaterialOptions& options) {
+        return BakeCache(scene, options).inputKey(full);
+    };
+    const auto key = [&](const MaterialOptions& options) { return BakeCache(scene, options).key(maps, {}); };
+    const MaterialOptions usual, threads{.threads = 3}, lean{.method = baker::Method::lean};
+    EXPECT_EQ(inputKey(usual), inputKey(threads));
+    EXPECT_EQ(key(usual), key(threads));
+    EXPECT_NE(inputKey(usual), inputKey(lean));
+    EXPECT_NE(key(usual), key(lean));
+    Material renamed = full;
+    renamed.name = "another";
+    EXPECT_EQ(BakeCache(scene, usual).inputKey(renamed), inputKey(usual));
+    const std::string before = inputKey(usual);
+    std::swap(scene.images[0], scene.images[1]);
+    EXPECT_NE(inputKey(usual), before);
+    std::swap(scene.images[0], scene.images[1]);
+    scene.images[2].bytes.back() ^= std::byte(1);
+    EXPECT_NE(inputKey(usual), before);
+}
+
+} // namespace
+} // namespace lumel::scene
