@@ -1,202 +1,19 @@
 // glTF 2.0, section 3.9.2 and appendix B: base colour c, metalness m, roughness r.
-//   Ks = mix(0.04, c, m)   reflectance at normal incidence; 0.04 is that of glass, index 1.5, unless
+//   F0 = mix(d, c, m)      reflectance at normal incidence; d = 0.04 is that of glass, index 1.5, unless
 //                          KHR_materials_ior or _specular say otherwise
-//   Kd = c (1 - m)
+//   Kd = c (1 - m) (1 - d)
 // Colours are sRGB in images and linear as factors; image and factor are multiplied.
 #include "material_maps.h"
 #include "baker/footprint.h"
 #include "core/error.h"
+#include "material_images.h"
 #include "shared/energy.h"
-#include <array>
-#include <deque>
 #include <fmt/format.h>
-#include <map>
 #include <optional>
 #include <tbb/parallel_for.h>
 
 namespace lumel::scene {
 namespace {
-
-// sRGB decoding of 8-bit images by table: std::pow for each of 2048^2 texels would take longer than PNG.
-float decodeSrgb(float encoded)
-{
-    static const std::array<float, 256> table = [] {
-        std::array<float, 256> values;
-        for (size_t i = 0; i < values.size(); ++i)
-            values[i] = srgbToLinear(float(i) / 255.0f);
-        return values;
-    }();
-    const float scaled = encoded * 255.0f;
-    const float nearest = std::nearbyint(scaled);
-    if (nearest >= 0.0f && nearest <= 255.0f && std::abs(scaled - nearest) < 1e-4f)
-        return table[size_t(nearest)];
-    return srgbToLinear(encoded);
-}
-
-// Channel c of a texel, as if the image had rgb: grey images have one channel, or two with alpha.
-float texel(const Image& image, int x, int y, int c)
-{
-    return image.at(x, y)[image.channels >= 3 ? c : 0];
-}
-
-// 1 where the image has none. Grey or colour, alpha is last.
-float alphaOf(const Image& image, int x, int y)
-{
-    return image.channels == 2 || image.channels == 4 ? image.at(x, y)[image.channels - 1] : 1.0f;
-}
-
-// Bilinear at texel centres; the border repeats, which is glTF's default.
-Image resized(const Image& in, int width, int height)
-{
-    Image out(width, height, in.channels);
-    const auto wrap = [](int i, int size) { return (i % size + size) % size; };
-    for (int y = 0; y < height; ++y) {
-        const float sy = (float(y) + 0.5f) * float(in.height) / float(height) - 0.5f;
-        const int y0 = wrap(int(std::floor(sy)), in.height), y1 = wrap(int(std::floor(sy)) + 1, in.height);
-        const float fy = sy - std::floor(sy);
-        for (int x = 0; x < width; ++x) {
-            const float sx = (float(x) + 0.5f) * float(in.width) / float(width) - 0.5f;
-            const int x0 = wrap(int(std::floor(sx)), in.width), x1 = wrap(int(std::floor(sx)) + 1, in.width);
-            const float fx = sx - std::floor(sx);
-            for (int c = 0; c < in.channels; ++c) {
-                const float upper = in.at(x0, y0)[c] * (1.0f - fx) + in.at(x1, y0)[c] * fx;
-                const float lower = in.at(x0, y1)[c] * (1.0f - fx) + in.at(x1, y1)[c] * fx;
-                out.at(x, y)[c] = upper * (1.0f - fy) + lower * fy;
-            }
-        }
-    }
-    return out;
-}
-
-int wrapped(int i, int size, Wrap wrap)
-{
-    const auto modulo = [](int a, int n) { return (a % n + n) % n; };
-    if (wrap == Wrap::clamp)
-        return std::clamp(i, 0, size - 1);
-    if (wrap == Wrap::repeat)
-        return modulo(i, size);
-    const int twice = modulo(i, 2 * size);
-    return twice < size ? twice : 2 * size - 1 - twice;
-}
-
-// The image as it appears at coordinates `common`, where its own are `own`, both of one set; as fine as it
-// is.
-Image moved(const Image& in, const UvMapping& own, const UvMapping& common)
-{
-    constexpr float kMostTexels = 4096.0f;
-    const glm::mat3 relative = *mappingBetween(common, own);
-    const glm::vec2 inSize(in.width, in.height);
-    const auto texelsAlong = [&](glm::vec3 step) {
-        return int(std::clamp(std::ceil(glm::length(glm::vec2(step) * inSize) - 0.01f), 1.0f, kMostTexels));
-    };
-    Image out(texelsAlong(relative[0]), texelsAlong(relative[1]), in.channels);
-    for (int y = 0; y < out.height; ++y)
-        for (int x = 0; x < out.width; ++x) {
-            const glm::vec2 p = (glm::vec2(x, y) + 0.5f) / glm::vec2(out.width, out.height);
-            const glm::vec2 q = glm::clamp(glm::vec2(relative * glm::vec3(p, 1.0f)) * inSize - 0.5f,
-                                           glm::vec2(-1e9f), glm::vec2(1e9f));
-            const glm::ivec2 first(glm::floor(q));
-            const glm::vec2 f = q - glm::floor(q);
-            for (int corner = 0; corner < 4; ++corner) {
-                const int i = corner & 1, j = corner >> 1;
-                const float weight = (i ? f.x : 1.0f - f.x) * (j ? f.y : 1.0f - f.y);
-                const float* from = in.at(wrapped(first.x + i, in.width, own.wrapU),
-                                          wrapped(first.y + j, in.height, own.wrapV));
-                for (int c = 0; c < in.channels; ++c)
-                    out.at(x, y)[c] += weight * from[c];
-            }
-        }
-    return out;
-}
-
-// Images of one material, each decoded once: occlusion, roughness and metalness often share a file.
-class Decoder {
-public:
-    explicit Decoder(const Scene& scene) : scene_(scene) {}
-
-    // The same at the coordinates that it shares with others.
-    const Image* get(int index, const UvMapping& own, const UvMapping& common)
-    {
-        return placed(get(index), own, common);
-    }
-
-    // Linear colours of an image of sRGB ones; its alpha is linear as it is. Decoded before anything is
-    // resampled, as texture units do: a mean of light is a mean of linear values.
-    const Image* colours(int index, const UvMapping& own, const UvMapping& common)
-    {
-        const Image* encoded = get(index);
-        if (!encoded)
-            return nullptr;
-        auto found = colours_.find(index);
-        if (found == colours_.end())
-            found = colours_.emplace(index, linear(*encoded)).first;
-        return placed(&found->second, own, common);
-    }
-
-    // Null for index -1.
-    const Image* get(int index)
-    {
-        if (index < 0)
-            return nullptr;
-        const SceneImage& source = scene_.images[size_t(index)];
-        auto found = decoded_.find(index);
-        if (found == decoded_.end())
-            found = decoded_.emplace(index, readImage(source.bytes, source.name, kGltfImageFormats)).first;
-        return &found->second;
-    }
-
-private:
-    const Image* placed(const Image* image, const UvMapping& own, const UvMapping& common)
-    {
-        if (!image || own.set != common.set || own.matrix() == common.matrix() ||
-            !mappingBetween(common, own))
-            return image;
-        return &moved_.emplace_back(moved(*image, own, common));
-    }
-
-    static Image linear(Image image)
-    {
-        const int colours = image.channels >= 3 ? 3 : 1;
-        for (size_t i = 0; i < image.pixels.size(); i += size_t(image.channels))
-            for (int c = 0; c < colours; ++c)
-                image.pixels[i + size_t(c)] = decodeSrgb(image.pixels[i + size_t(c)]);
-        return image;
-    }
-
-    const Scene& scene_;
-    std::map<int, Image> decoded_, colours_;
-    std::deque<Image> moved_;
-};
-
-// Images brought to the size of the largest one. Any may be null: constant.
-template<size_t N>
-struct SameSize {
-    std::array<const Image*, N> images;
-    int width = 1, height = 1;
-
-    explicit SameSize(const std::array<const Image*, N>& sources) : images(sources)
-    {
-        for (const Image* image : images)
-            if (image) {
-                width = std::max(width, image->width);
-                height = std::max(height, image->height);
-            }
-        for (size_t i = 0; i < N; ++i)
-            if (images[i] && (images[i]->width != width || images[i]->height != height)) {
-                storage_[i] = resized(*images[i], width, height);
-                images[i] = &storage_[i];
-            }
-    }
-    SameSize(const SameSize&) = delete;
-
-    // Channel c of Decoder::colours(), and of others as stored; 1 without an image.
-    float colour(size_t i, int x, int y, int c) const { return value(i, x, y, c); }
-    float value(size_t i, int x, int y, int c) const { return images[i] ? texel(*images[i], x, y, c) : 1.0f; }
-    float alpha(size_t i, int x, int y) const { return images[i] ? alphaOf(*images[i], x, y) : 1.0f; }
-
-private:
-    std::array<Image, N> storage_;
-};
 
 // Images of one value become constants, so that they neither cost time nor set the size of the chain.
 bool isConstant(const Image& image)
@@ -233,12 +50,12 @@ float dielectricF0(float ior)
 // KHR_materials_specular: F0 = min(F0(ior) specularColor, 1) specular. F90, which it scales too, is not
 // modelled. Diffuse reflection gets what Fresnel's F0 leaves (glTF 2.0, appendix B.3.4, fresnel_mix); what
 // the grazing part takes depends on the view (shading.h).
-void setColours(const Material& m, Decoder& decoder, baker::Maps& maps)
+void setColours(const Material& m, MaterialImages& sources, baker::Maps& maps)
 {
-    const SameSize<4> images({decoder.colours(m.baseColorImage, m.baseColorUv, m.uv),
-                              decoder.get(m.metallicRoughnessImage, m.metallicRoughnessUv, m.uv),
-                              decoder.get(m.specularImage, m.specularUv, m.uv),
-                              decoder.colours(m.specularColorImage, m.specularColorUv, m.uv)});
+    const SameSize<4> images({sources.colours(m.baseColorImage, m.baseColorUv, m.uv),
+                              sources.get(m.metallicRoughnessImage, m.metallicRoughnessUv, m.uv),
+                              sources.get(m.specularImage, m.specularUv, m.uv),
+                              sources.colours(m.specularColorImage, m.specularColorUv, m.uv)});
     Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
     const float f0 = dielectricF0(m.ior);
     for (int y = 0; y < images.height; ++y)
@@ -262,10 +79,10 @@ void setColours(const Material& m, Decoder& decoder, baker::Maps& maps)
 }
 
 // KHR_materials_pbrSpecularGlossiness, "BRDF": Kd = diffuse (1 - max(specular)).
-void setSpecularGlossinessColours(const Material& m, Decoder& decoder, baker::Maps& maps)
+void setSpecularGlossinessColours(const Material& m, MaterialImages& sources, baker::Maps& maps)
 {
-    const SameSize<2> images({decoder.colours(m.baseColorImage, m.baseColorUv, m.uv),
-                              decoder.colours(m.metallicRoughnessImage, m.metallicRoughnessUv, m.uv)});
+    const SameSize<2> images({sources.colours(m.baseColorImage, m.baseColorUv, m.uv),
+                              sources.colours(m.metallicRoughnessImage, m.metallicRoughnessUv, m.uv)});
     Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
     for (int y = 0; y < images.height; ++y)
         for (int x = 0; x < images.width; ++x) {
@@ -374,15 +191,15 @@ bool occludes(const Material& material)
 
 baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
 {
-    Decoder decoder(scene);
+    MaterialImages sources(scene);
     baker::Maps maps;
     if (material.uv.wrapU != Wrap::repeat || material.uv.wrapV != Wrap::repeat)
         maps.wrap = baker::Wrap::clamp;
     if (material.heightImage >= 0) {
-        maps.height = *decoder.get(material.heightImage);
+        maps.height = *sources.get(material.heightImage);
         maps.heightScale = material.heightScale;
     } else if (material.normalImage >= 0) {
-        maps.normal = *decoder.get(material.normalImage);
+        maps.normal = *sources.get(material.normalImage);
         maps.normalScale = material.normalScale;
     } else {
         maps.normal = Image(1, 1, 3); // flat: the baker wants a surface
@@ -393,13 +210,13 @@ baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
         return maps;
     }
     if (material.specularGlossiness)
-        setSpecularGlossinessColours(material, decoder, maps);
+        setSpecularGlossinessColours(material, sources, maps);
     else
-        setColours(material, decoder, maps);
+        setColours(material, sources, maps);
     const auto roughness = setRoughness(
-        material, decoder.get(material.metallicRoughnessImage, material.metallicRoughnessUv, material.uv),
+        material, sources.get(material.metallicRoughnessImage, material.metallicRoughnessUv, material.uv),
         maps);
-    setAnisotropy(material, decoder.get(material.anisotropyImage, material.anisotropyUv, material.uv),
+    setAnisotropy(material, sources.get(material.anisotropyImage, material.anisotropyUv, material.uv),
                   roughness, maps);
     return maps;
 }
@@ -411,10 +228,10 @@ bool glowVaries(const Material& material)
 
 Image glowImage(const Scene& scene, const Material& material)
 {
-    Decoder decoder(scene);
+    MaterialImages sources(scene);
     const SameSize<2> images(
-        {decoder.colours(emits(material) ? material.emissiveImage : -1, material.emissiveUv, material.glowUv),
-         decoder.get(occludes(material) ? material.occlusionImage : -1)});
+        {sources.colours(emits(material) ? material.emissiveImage : -1, material.emissiveUv, material.glowUv),
+         sources.get(occludes(material) ? material.occlusionImage : -1)});
     Image glow(images.width, images.height, 4);
     for (int y = 0; y < images.height; ++y)
         for (int x = 0; x < images.width; ++x) {
@@ -437,8 +254,8 @@ Image opacityImage(const Scene& scene, const Material& material)
     opacity.pixels = {material.alphaMode == AlphaMode::opaque ? 1.0f : material.baseColor.a};
     if (material.alphaMode == AlphaMode::opaque || material.baseColorImage < 0)
         return opacity;
-    Decoder decoder(scene);
-    const Image& base = *decoder.get(material.baseColorImage, material.baseColorUv, material.uv);
+    MaterialImages sources(scene);
+    const Image& base = *sources.get(material.baseColorImage, material.baseColorUv, material.uv);
     if (base.channels != 2 && base.channels != 4) // grey or colour with alpha last
         return opacity;
     Image varying(base.width, base.height, 1);
