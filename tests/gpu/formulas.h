@@ -8,8 +8,8 @@ LUMEL_SHARED_BEGIN
 // A lobe somewhere in the world, a light and a view.
 struct FormulaInput {
     vec3 tangent, bitangent, macroNormal; // orthonormal, of either handedness
-    vec2 normal;      // the lobe's, on the disc of the tangent frame
-    vec3 covariance;  // in the lobe's own frame
+    vec2 normal;                          // the lobe's, on the disc of the tangent frame
+    vec3 covariance;                      // in the lobe's own frame
     vec3 f0, diffuse;
     vec3 position;
     vec3 toEye;
@@ -19,7 +19,7 @@ struct FormulaInput {
 // Everything that the formulas say of it.
 struct FormulaOutput {
     vec3 lobeNormal, lobeTangentU;
-    float shape;        // at the half vector, made from normal and covariance
+    float shape;         // at the half vector, made from normal and covariance
     float preparedShape; // of the lobe in world space
     float falloff;
     vec3 toLight, irradiance;
@@ -28,8 +28,8 @@ struct FormulaOutput {
     vec3 ambient;
     float environmentLevel, environmentVariance;
     vec2 environmentLobe; // towards the normal, narrowing
-    vec3 strength; // Ks
-    vec3 reflectance; // F0 of that Ks
+    vec3 strength;        // Ks
+    vec3 reflectance;     // F0 of that Ks
     float residual, grazing, power;
     vec2 environmentPlace;
     vec3 environmentDirection; // of that place
@@ -51,7 +51,8 @@ LUMEL_FN FormulaOutput formulas(FormulaInput given)
     result.grazing = grazingShare(dot(given.macroNormal, given.toEye), variance);
     result.power = powerFromRoughness(given.f0.x);
     SurfaceReflectance surface = reflectanceTowards(
-        SurfaceTexel(lobe, given.macroNormal, result.strength, given.f0, variance, given.diffuse), given.toEye);
+        SurfaceTexel(lobe, given.macroNormal, result.strength, given.f0, variance, given.diffuse),
+        given.toEye);
 
     Incident incident = incidentLight(given.light, given.position);
     result.toLight = incident.direction;
