@@ -27,14 +27,15 @@ struct BakeArguments {
 // Throws Error naming what failed when a manifest's entries do.
 void runBake(const BakeArguments& arguments);
 
-// usual: automatic for scenes that bring their own lights and would be nearly white or black at exposure 1.
-enum class ExposureChoice { usual, automatic, fixed };
+// perScene: automatic for scenes that bring their own lights and would be nearly white or black at
+// exposure 1.
+enum class ExposureChoice { perScene, automatic, fixed };
 
 // What is rendered, from where and how.
 struct SceneArguments {
     std::filesystem::path scene;
     Settings settings;
-    ExposureChoice exposure = ExposureChoice::usual; // else settings.exposure counts
+    ExposureChoice exposure = ExposureChoice::perScene; // else settings.exposure counts
     std::string camera; // name or index; empty = the first, or one that frames the scene
     std::optional<glm::vec3> eye, target;
     float fovDegrees = 40.0f;            // vertical, with eye and target

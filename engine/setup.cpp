@@ -19,7 +19,7 @@ std::string text(double number)
 }
 
 // Without options.
-ChosenCamera usualCamera(const SceneArguments& arguments, const scene::Scene& scene, float aspect)
+ChosenCamera defaultCamera(const SceneArguments& arguments, const scene::Scene& scene, float aspect)
 {
     if (!scene.cameras.empty()) {
         const scene::Camera& first = scene.cameras.front();
@@ -45,7 +45,7 @@ ChosenCamera chooseCamera(const SceneArguments& arguments, const scene::Scene& s
         return {scene::ViewCamera::atPoints(eye, target, arguments.fovDegrees, scene.bounds), false};
     }
     if (arguments.camera.empty())
-        return usualCamera(arguments, scene, aspect);
+        return defaultCamera(arguments, scene, aspect);
     std::string known;
     for (const auto& camera : scene.cameras) {
         if (camera.name == arguments.camera)
@@ -69,11 +69,11 @@ bool hasOwnLights(const SceneArguments& arguments, const scene::Scene& scene)
 float chooseExposure(const SceneArguments& arguments, const scene::Scene& scene, Renderer& renderer,
                      const scene::Camera& camera)
 {
-    const bool usual = arguments.exposure == ExposureChoice::usual;
-    if (arguments.exposure == ExposureChoice::fixed || (usual && !hasOwnLights(arguments, scene)))
+    const bool perScene = arguments.exposure == ExposureChoice::perScene;
+    if (arguments.exposure == ExposureChoice::fixed || (perScene && !hasOwnLights(arguments, scene)))
         return arguments.settings.exposure;
     const LuminanceHistogram histogram = renderer.meter(camera);
-    if (usual && !needsExposure(histogram))
+    if (perScene && !needsExposure(histogram))
         return arguments.settings.exposure;
     const float exposure = automaticExposure(histogram);
     spdlog::info("exposure {} (auto)", exposure);

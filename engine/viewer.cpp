@@ -61,7 +61,7 @@ Viewer::Viewer(const ViewArguments& arguments)
 {
     state_.settings = arguments.settings;
     state_.autoExposure = arguments.exposure == ExposureChoice::automatic;
-    state_.exposureChosen = arguments.exposure != ExposureChoice::usual;
+    state_.exposureChosen = arguments.exposure != ExposureChoice::perScene;
     state_.sides = {ui::Side{arguments.settings.shading, arguments.filter},
                     ui::Side{arguments.rightShading, arguments.rightFilter}};
     state_.split = arguments.split;

@@ -111,7 +111,7 @@ SceneArguments Viewer::argumentsOf(size_t side) const
     }
     // What the command would choose by itself depends on the view.
     const bool chooses = state_.autoExposure || hasOwnLights(a, *renderers_->scene());
-    a.exposure = chooses || state_.exposureChosen ? ExposureChoice::fixed : ExposureChoice::usual;
+    a.exposure = chooses || state_.exposureChosen ? ExposureChoice::fixed : ExposureChoice::perScene;
     return a;
 }
 

@@ -32,6 +32,22 @@ void append(DecodeReply& reply, const std::string& text)
     reply.textSize += uint32_t(text.size() + 1);
 }
 
+// A request with room for the descriptors that go along. It points into itself.
+struct Envelope {
+    explicit Envelope(DecodeRequest* request) : data{request, sizeof *request}
+    {
+        message.msg_iov = &data;
+        message.msg_iovlen = 1;
+        message.msg_control = control;
+        message.msg_controllen = sizeof control;
+    }
+    Envelope(const Envelope&) = delete;
+
+    iovec data;
+    alignas(cmsghdr) char control[kControlBytes] = {};
+    msghdr message{};
+};
+
 } // namespace
 
 std::pair<Descriptor, Descriptor> makeSocketPair()
@@ -45,36 +61,25 @@ std::pair<Descriptor, Descriptor> makeSocketPair()
 
 bool sendRequest(int socket, const DecodeRequest& request, const RequestFiles& files)
 {
-    iovec data{const_cast<DecodeRequest*>(&request), sizeof request};
-    alignas(cmsghdr) char control[kControlBytes] = {};
-    msghdr message{};
-    message.msg_iov = &data;
-    message.msg_iovlen = 1;
-    message.msg_control = control;
-    message.msg_controllen = sizeof control;
-    cmsghdr* header = CMSG_FIRSTHDR(&message);
+    Envelope envelope(const_cast<DecodeRequest*>(&request)); // sendmsg() only reads it
+    cmsghdr* header = CMSG_FIRSTHDR(&envelope.message);
     header->cmsg_level = SOL_SOCKET;
     header->cmsg_type = SCM_RIGHTS;
     header->cmsg_len = CMSG_LEN(kFiles * sizeof(int));
     const std::array<int, kFiles> numbers = {files.image.get(), files.pixels.get(), files.reply.get()};
     std::memcpy(CMSG_DATA(header), numbers.data(), sizeof numbers);
-    return restarted([&] { return sendmsg(socket, &message, MSG_NOSIGNAL); }) == ssize_t(sizeof request);
+    return restarted([&] { return sendmsg(socket, &envelope.message, MSG_NOSIGNAL); }) ==
+           ssize_t(sizeof request);
 }
 
 std::optional<std::pair<DecodeRequest, RequestFiles>> receiveRequest(int socket)
 {
     std::pair<DecodeRequest, RequestFiles> received;
-    iovec data{&received.first, sizeof received.first};
-    alignas(cmsghdr) char control[kControlBytes] = {};
-    msghdr message{};
-    message.msg_iov = &data;
-    message.msg_iovlen = 1;
-    message.msg_control = control;
-    message.msg_controllen = sizeof control;
-    if (restarted([&] { return recvmsg(socket, &message, MSG_CMSG_CLOEXEC); }) !=
+    Envelope envelope(&received.first);
+    if (restarted([&] { return recvmsg(socket, &envelope.message, MSG_CMSG_CLOEXEC); }) !=
         ssize_t(sizeof(DecodeRequest)))
         return std::nullopt;
-    const cmsghdr* header = CMSG_FIRSTHDR(&message);
+    const cmsghdr* header = CMSG_FIRSTHDR(&envelope.message);
     if (!header || header->cmsg_type != SCM_RIGHTS || header->cmsg_len != CMSG_LEN(kFiles * sizeof(int)))
         return std::nullopt;
     std::array<int, kFiles> numbers;
