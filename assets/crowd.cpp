@@ -44,9 +44,10 @@ void addLamps(GltfWriter& gltf)
                          lamp.colour, 3.0f * candela, 1.5f * range, 38.0f);
         else
             gltf.addPoint(name, lamp.position, lamp.colour, candela, range);
-        const int glow = gltf.addMaterial(name, {.baseColour = glm::vec3(0.02f), .glow = lamp.colour});
+        const int emissive =
+            gltf.addMaterial(name, {.baseColour = glm::vec3(0.02f), .emissive = lamp.colour});
         const float size = 0.10f * height;
-        gltf.addObject(name, globe, glow,
+        gltf.addObject(name, globe, emissive,
                        {.position = lamp.position - glm::vec3(0, 0.5f * size, 0), .scale = size});
         ++i;
     }

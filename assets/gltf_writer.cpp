@@ -80,8 +80,8 @@ int GltfWriter::addMaterial(const std::string& name, const MaterialLook& look)
                      {"extras", {{"lumel", {{"power", look.power}}}}}};
     if (look.doubleSided)
         material["doubleSided"] = true;
-    if (look.glow != glm::vec3(0.0f))
-        material["emissiveFactor"] = toJson(look.glow);
+    if (look.emissive != glm::vec3(0.0f))
+        material["emissiveFactor"] = toJson(look.emissive);
     if (look.colourImage >= 0)
         material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", look.colourImage}};
     if (look.heightImage >= 0) {

@@ -13,10 +13,10 @@ namespace lumel::assets {
 struct MaterialLook {
     glm::vec3 baseColour{0.5f}; // linear; reflectance at normal incidence when metallic
     float metallic = 0.0f;
-    float power = 50.0f;  // Blinn-Phong; the file's roughness is derived from it
-    glm::vec3 glow{0.0f}; // emitted radiance, at most 1
-    int colourImage = -1; // from addColour()
-    int heightImage = -1; // from addHeight()
+    float power = 50.0f;      // Blinn-Phong; the file's roughness is derived from it
+    glm::vec3 emissive{0.0f}; // emitted radiance, at most 1
+    int colourImage = -1;     // from addColour()
+    int heightImage = -1;     // from addHeight()
     bool doubleSided = false;
 };
 

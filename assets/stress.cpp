@@ -111,10 +111,10 @@ const std::array<glm::vec3, 8> kLampColours{{{1.0f, 0.56f, 0.24f},
 
 void addLamps(GltfWriter& gltf, int globe)
 {
-    std::vector<int> glows;
+    std::vector<int> lanterns;
     for (size_t i = 0; i < kLampColours.size(); ++i)
-        glows.push_back(gltf.addMaterial("lantern " + std::to_string(i),
-                                         {.baseColour = glm::vec3(0.02f), .glow = kLampColours[i]}));
+        lanterns.push_back(gltf.addMaterial("lantern " + std::to_string(i),
+                                            {.baseColour = glm::vec3(0.02f), .emissive = kLampColours[i]}));
     for (int i = 0; i < kLamps; ++i) {
         const Seed seed = seedOf(i, kLamps, 1.0f);
         const float distance = glm::length(seed.place), height = 1.5f + 0.045f * distance;
@@ -131,9 +131,9 @@ void addLamps(GltfWriter& gltf, int globe)
         const std::string name = "lantern " + std::to_string(i);
         const Keys keys = closedCurve(12, placeAt);
         const int light = gltf.addPoint(name, keys.places[0], kLampColours[colour], candela, 4.5f * height);
-        const int glow =
-            gltf.addObject(name, globe, glows[colour], {.position = keys.places[0], .scale = 0.11f * height});
-        gltf.move({light, glow}, keys.seconds, keys.places, keys.tangents);
+        const int emissive = gltf.addObject(name, globe, lanterns[colour],
+                                            {.position = keys.places[0], .scale = 0.11f * height});
+        gltf.move({light, emissive}, keys.seconds, keys.places, keys.tangents);
     }
 }
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The surroundings behind the scene, where nothing else is drawn.
+// The environment behind the scene, where nothing else is drawn.
 #include "lib/environment.glsl"
 
 layout(location = 0) in vec4 farInWorld;

@@ -23,7 +23,7 @@ Vertex deformed(uint index)
         Influence influence = push.joints.at[index * push.influences + i];
         m += influence.weight * push.matrices.at[influence.joint];
     }
-    return bent(v, m);
+    return skinned(v, m);
 }
 
 void main()

@@ -9,7 +9,7 @@ layout(push_constant, scalar) uniform Constants { ForwardPush push; };
 layout(location = 0) in vec3 positionInWorld;
 layout(location = 1) in vec3 normalInWorld;
 layout(location = 2) in vec4 tangentInWorld;
-layout(location = 4) in vec4 uv; // of the reflectance (xy) and of glow (zw)
+layout(location = 4) in vec4 uv; // of the reflectance (xy) and of emissive (zw)
 layout(location = 5) in vec4 tint;
 layout(location = 0) out vec4 colour;
 
@@ -17,9 +17,9 @@ void main()
 {
     ObjectAt object = objectAt(push.draw.object);
     vec4 dx = dFdx(uv), dy = dFdy(uv);
-    vec3 levels = vec3(push.draw.level); // of the reflectance, glow and opacity
+    vec3 levels = vec3(push.draw.level); // of the reflectance, emissive and opacity
     if (push.draw.level < 0.0)
-        levels = vec3(levelOf(mapNormal, dx.xy, dy.xy, 1.0), levelOf(mapGlow, dx.zw, dy.zw, 1.0),
+        levels = vec3(levelOf(mapNormal, dx.xy, dy.xy, 1.0), levelOf(mapEmissive, dx.zw, dy.zw, 1.0),
                       levelOf(mapOpacity, dx.xy, dy.xy, 1.0));
     float opacity = textureLod(mapOpacity, uv.xy, max(levels.z, 0.0)).x;
     if (kColoured)

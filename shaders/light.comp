@@ -14,7 +14,7 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { LightPush push; };
 layout(set = 2, binding = 0, rgba16f) uniform image2DArray lit;
 
-// Where the lumel with barycentric coordinates w reads the material (xy reflectance, zw glow), and at which levels of
+// Where the lumel with barycentric coordinates w reads the material (xy reflectance, zw emissive), and at which levels of
 // the two.
 struct MaterialPlace {
     vec4 uv;
@@ -25,18 +25,18 @@ MaterialPlace materialPlace(ObjectAt object, Vertex a, Vertex b, Vertex c, vec3 
     // Where lumels coincide with the material's texels, their centres do: no filtering. Finer lumels magnify its
     // level 0.
     MaterialPlace same = MaterialPlace(
-        vec4(uv, uv), float(level) + vec2(object.at.materialLevelOffset, object.at.glowLevelOffset));
+        vec4(uv, uv), float(level) + vec2(object.at.materialLevelOffset, object.at.emissiveLevelOffset));
     // Else the lumel's parallelogram in material UVs, up to twice as long as wide, is what its texel is to cover;
     // both are linear over the triangle.
     vec2 alongB = (b.uv - a.uv) * vec2(size), alongC = (c.uv - a.uv) * vec2(size); // lumels
     float area = alongB.x * alongC.y - alongB.y * alongC.x;
     float inverseArea = abs(area) > 1e-20 ? 1.0 / area : 0.0;
-    vec4 toB = vec4(b.materialUv - a.materialUv, b.glowUv - a.glowUv),
-         toC = vec4(c.materialUv - a.materialUv, c.glowUv - a.glowUv);
+    vec4 toB = vec4(b.materialUv - a.materialUv, b.emissionUv - a.emissionUv),
+         toC = vec4(c.materialUv - a.materialUv, c.emissionUv - a.emissionUv);
     vec4 dx = (toB * alongC.y - toC * alongB.y) * inverseArea, dy = (toC * alongB.x - toB * alongC.x) * inverseArea;
-    vec2 own = vec2(levelOf(mapNormal, dx.xy, dy.xy, 2.0), levelOf(mapGlow, dx.zw, dy.zw, 2.0));
+    vec2 own = vec2(levelOf(mapNormal, dx.xy, dy.xy, 2.0), levelOf(mapEmissive, dx.zw, dy.zw, 2.0));
     vec4 place = vec4(w.x * a.materialUv + w.y * b.materialUv + w.z * c.materialUv,
-                      w.x * a.glowUv + w.y * b.glowUv + w.z * c.glowUv);
+                      w.x * a.emissionUv + w.y * b.emissionUv + w.z * c.emissionUv);
     bool differ = (object.at.flags & kObjectOwnMaterialUv) != 0u;
     return MaterialPlace(differ ? place : same.uv, differ ? own : same.levels);
 }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Plan, first step: every sample of the need pass marks the tiles that drawing its block of pixels will read,
+// Plan, first step: every sample of the feedback pass marks the tiles that drawing its block of pixels will read,
 // at the two MIPs that it blends and, as something to fall back on, three MIPs coarser. Every object's tail
 // MIPs are marked too. A tile enters the list the first time it is marked in a frame.
 #include "lib/footprint.glsl"
@@ -75,14 +75,14 @@ void main()
     }
     if (index >= push.samples.x * push.samples.y)
         return;
-    uvec4 sight = imageLoad(seen, ivec2(index % push.samples.x, index / push.samples.x));
-    if (sight.x == 0u)
+    uvec4 seenBy = imageLoad(seen, ivec2(index % push.samples.x, index / push.samples.x));
+    if (seenBy.x == 0u)
         return;
-    uint objectIndex = sight.x - 1u;
+    uint objectIndex = seenBy.x - 1u;
     ObjectAt object = objectAt(objectIndex);
     if (object.at.mips == 0u)
         return;
-    vec2 uv = unpackUnorm2x16(sight.y), dx = unpackHalf2x16(sight.z), dy = unpackHalf2x16(sight.w);
+    vec2 uv = unpackUnorm2x16(seenBy.y), dx = unpackHalf2x16(seenBy.z), dy = unpackHalf2x16(seenBy.w);
     Footprint footprint = footprintOf(dx, dy, vec2(object.at.litSize), view.anisotropy);
     vec2 axis = footprint.taps > 1 ? footprint.axis : vec2(0.0);
     float level = footprint.level + view.levelOffset;

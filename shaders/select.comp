@@ -19,14 +19,14 @@ float chance(Tile tile, uint frame)
     return float((x ^ (x >> 16u)) >> 8u) / 16777216.0;
 }
 
-// Returns the tile's place in the list, kNoRoom when that is full.
-const uint kNoRoom = ~0u;
+// Returns the tile's place in the list, kListFull when that is full.
+const uint kListFull = ~0u;
 uint append(uint job, Tile tile)
 {
     uint slot = atomicAdd(push.jobs.at[job].count, 1u);
     if (slot >= push.jobs.at[job].capacity) {
         atomicAdd(push.plan.at.dropped, 1u);
-        return kNoRoom;
+        return kListFull;
     }
     if (slot < kMaxJobGroups)
         atomicMax(push.jobs.at[job].groups[0], slot + 1u);
@@ -148,8 +148,8 @@ void main()
         uint threshold = push.plan.at.threshold;
         bool chosen = mark.verdict > threshold ||
                       (mark.verdict == threshold && chance(mark.tile, view.frame) < push.plan.at.share);
-        uint slot = chosen ? append(object.at.lightJob, mark.tile) : kNoRoom;
-        if (slot != kNoRoom) {
+        uint slot = chosen ? append(object.at.lightJob, mark.tile) : kListFull;
+        if (slot != kListFull) {
             prepare(object, mark.tile, slot);
             uvec2 ratio = mipSize(object, mip) / max(mipSize(object, mip) >> 1u, uvec2(1u));
             queueDerived(object, mark.tile.object, mip + 1u, tile / ratio);

@@ -15,7 +15,7 @@ layout(location = 0) out vec3 positionInWorld;
 layout(location = 1) out vec3 normalInWorld;
 layout(location = 2) out vec4 tangentInWorld;
 layout(location = 3) out vec2 uv;
-layout(location = 4) out vec4 materialUv; // of the reflectance (xy) and of glow (zw)
+layout(location = 4) out vec4 materialUv; // of the reflectance (xy) and of emissive (zw)
 layout(location = 5) out vec4 tint;
 invariant gl_Position;
 

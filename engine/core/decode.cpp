@@ -122,7 +122,8 @@ void readLevels(OIIO::ImageInput& input, const DecodedShape& shape, ImageFormat 
     }
 }
 
-DecodedShape decodeWebp(std::span<const std::byte> bytes, const DecodeRequest& request, const PixelRoom& room)
+DecodedShape decodeWebp(std::span<const std::byte> bytes, const DecodeRequest& request,
+                        const PixelAllocator& room)
 {
     const WebpSize size = readWebpSize(bytes);
     const DecodedShape shape{size.width, size.height, size.channels, 1, SampleType::u8, {}, {}};
@@ -161,7 +162,8 @@ size_t DecodedShape::samples() const
     return pixels * size_t(channels);
 }
 
-DecodedShape decode(std::span<const std::byte> bytes, const DecodeRequest& request, const PixelRoom& room)
+DecodedShape decode(std::span<const std::byte> bytes, const DecodeRequest& request,
+                    const PixelAllocator& room)
 {
     const ImageFormat format = imageFormat(bytes, request.namedTga != 0);
     if ((request.formats & formatBit(format)) == 0)

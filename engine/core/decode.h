@@ -40,9 +40,10 @@ struct DecodedShape {
 };
 
 // Called once the file's header is known and accepted: returns room for the pixels.
-using PixelRoom = std::function<std::byte*(const DecodedShape&)>;
+using PixelAllocator = std::function<std::byte*(const DecodedShape&)>;
 
 // Throws Error, without the file's name, for what is no image of the formats asked for, damaged or too large.
-DecodedShape decode(std::span<const std::byte> bytes, const DecodeRequest& request, const PixelRoom& room);
+DecodedShape decode(std::span<const std::byte> bytes, const DecodeRequest& request,
+                    const PixelAllocator& room);
 
 } // namespace lumel

@@ -241,8 +241,7 @@ Memory Device::allocate(const vk::MemoryRequirements& requirements, vk::MemoryPr
         } catch (const vk::OutOfHostMemoryError&) { // software devices
         }
     }
-    throw Error(fmt::format("Vulkan: {} MiB of device memory are not to be had; {}", requirements.size >> 20,
-                            remedy));
+    throw Error(fmt::format("Vulkan: {} MiB: out of device memory; {}", requirements.size >> 20, remedy));
 }
 
 void Device::submitAndWait(vk::CommandBuffer commands) const

@@ -6,7 +6,7 @@
 
 namespace lumel::gpu {
 
-Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string& name,
+Buffer::Buffer(const Device& device, size_t bytes, MemoryUsage memoryUsage, const std::string& name,
                const std::string& remedy)
     : size_(std::max<size_t>(bytes, 16))
 {
@@ -20,12 +20,12 @@ Buffer::Buffer(const Device& device, size_t bytes, Home home, const std::string&
                                                           Usage::eUniformBuffer | Usage::eTransferSrc |
                                                           Usage::eTransferDst | Usage::eShaderDeviceAddress});
     using Property = vk::MemoryPropertyFlagBits;
-    const auto wanted = home == Home::host ? Property::eHostVisible | Property::eHostCoherent
-                                           : vk::MemoryPropertyFlags(Property::eDeviceLocal);
+    const auto wanted = memoryUsage == MemoryUsage::host ? Property::eHostVisible | Property::eHostCoherent
+                                                         : vk::MemoryPropertyFlags(Property::eDeviceLocal);
     memory_ = device.allocate(buffer_.getMemoryRequirements(), wanted, remedy, true);
     buffer_.bindMemory(*memory_.handle, 0);
     address_ = device.handle().getBufferAddress({.buffer = *buffer_});
-    if (home == Home::host)
+    if (memoryUsage == MemoryUsage::host)
         mapped_ = memory_.handle.mapMemory(0, size_);
     device.name(buffer_, name);
 }
@@ -47,10 +47,10 @@ void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Image
 
 Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const std::string& name)
 {
-    Buffer buffer(device, data.size(), Buffer::Home::device, name);
+    Buffer buffer(device, data.size(), Buffer::MemoryUsage::device, name);
     if (data.empty())
         return buffer;
-    const Buffer staging(device, data.size(), Buffer::Home::host, name + " (staging)");
+    const Buffer staging(device, data.size(), Buffer::MemoryUsage::host, name + " (staging)");
     std::memcpy(staging.mapped<void>(), data.data(), data.size());
     device.runOnce([&](vk::CommandBuffer commands) { recordUpload(commands, staging, buffer); });
     return buffer;
@@ -150,7 +150,7 @@ Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
     size_t bytes = 0;
     for (const auto& level : levels)
         bytes += level.size() * sizeof(uint16_t);
-    const Buffer staging(device, bytes, Buffer::Home::host, name + " (staging)");
+    const Buffer staging(device, bytes, Buffer::MemoryUsage::host, name + " (staging)");
     std::vector<vk::BufferImageCopy> copies;
     size_t offset = 0;
     for (uint32_t mip = 0; mip < levels.size(); ++mip) {
@@ -169,7 +169,7 @@ std::vector<std::byte> readBack(const Device& device, const Buffer& buffer, size
 {
     if (bytes == 0)
         return {};
-    const Buffer staging(device, bytes, Buffer::Home::host, "read back");
+    const Buffer staging(device, bytes, Buffer::MemoryUsage::host, "read back");
     device.runOnce([&](vk::CommandBuffer commands) {
         commands.copyBuffer(buffer.handle(), staging.handle(), vk::BufferCopy{.size = bytes});
         memoryBarrier(commands, Use::transferWrite, Use::hostRead);
@@ -182,7 +182,7 @@ std::vector<std::byte> readBack(const Device& device, const Image& image, size_t
                                 vk::ImageLayout from)
 {
     const size_t bytes = size_t(image.info().width) * image.info().height * bytesPerTexel;
-    const Buffer staging(device, bytes, Buffer::Home::host, "read back");
+    const Buffer staging(device, bytes, Buffer::MemoryUsage::host, "read back");
     device.runOnce([&](vk::CommandBuffer commands) {
         const vk::BufferImageCopy copy{.imageSubresource = {image.aspect(), 0, 0, 1},
                                        .imageExtent = {image.info().width, image.info().height, 1}};

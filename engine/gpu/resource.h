@@ -9,10 +9,10 @@ namespace lumel::gpu {
 // A storage buffer with a device address. Host-visible buffers stay mapped.
 class Buffer {
 public:
-    enum class Home { device, host };
+    enum class MemoryUsage { device, host };
     Buffer() = default;
     // remedy: what to do when the device has no room for it.
-    Buffer(const Device& device, size_t bytes, Home home, const std::string& name,
+    Buffer(const Device& device, size_t bytes, MemoryUsage memoryUsage, const std::string& name,
            const std::string& remedy = "use a smaller scene");
 
     vk::Buffer handle() const { return *buffer_; }

@@ -23,11 +23,11 @@ nlohmann::json readJson(const std::filesystem::path& file)
     return nlohmann::json::parse(begin, begin + text.size());
 }
 
-bool isUsable(const Image& glow)
+bool isUsable(const Image& emissive)
 {
-    if (glow.empty() || glow.channels != 4)
+    if (emissive.empty() || emissive.channels != 4)
         return false;
-    return std::all_of(glow.pixels.begin(), glow.pixels.end(),
+    return std::all_of(emissive.pixels.begin(), emissive.pixels.end(),
                        [](float value) { return std::isfinite(value); });
 }
 
@@ -75,7 +75,7 @@ void BakeCache::giveUp(const Error& reason)
 std::string BakeCache::inputKey(const Material& material) const
 {
     Material m = material;
-    // Neither reflectance nor glow depends on these.
+    // Neither reflectance nor emissive depends on these.
     m.name.clear();
     m.bakedFile.clear();
     m.alphaMode = AlphaMode::opaque;
@@ -95,12 +95,12 @@ std::string BakeCache::inputKey(const Material& material) const
     return hash.hex();
 }
 
-std::string BakeCache::key(const baker::Maps& maps, const Image& glow) const
+std::string BakeCache::key(const baker::Maps& maps, const Image& emissive) const
 {
     ContentHash hash;
     hash.add(baker::sourceHash(maps, {options_.method, options_.model}));
-    hash.addValue(glow.width).addValue(glow.height).addValue(glow.channels);
-    hash.add(glow.pixels.data(), glow.pixels.size() * sizeof(float));
+    hash.addValue(emissive.width).addValue(emissive.height).addValue(emissive.channels);
+    hash.add(emissive.pixels.data(), emissive.pixels.size() * sizeof(float));
     return hash.hex();
 }
 
@@ -152,16 +152,17 @@ std::optional<BakedMaterial> BakeCache::load(const std::string& key) const
         baked.reflectance = baker::readExr(path(key, ".exr"));
         if (baked.reflectance.version != baker::kVersion)
             throw Error("it is of another version");
-        Image glow(1, 1, 4);
-        if (manifest.at("glow").is_array())
-            glow.pixels = manifest["glow"].get<std::vector<float>>();
-        else if (manifest["glow"] == fileHash(path(key, "-glow.exr")))
-            glow = readImage(path(key, "-glow.exr"));
+        Image emissive(1, 1, 4);
+        if (manifest.at("emissive").is_array())
+            emissive.pixels = manifest["emissive"].get<std::vector<float>>();
+        else if (manifest["emissive"] == fileHash(path(key, "-emissive.exr")))
+            emissive = readImage(path(key, "-emissive.exr"));
         else
             throw Error("the file is not the one that was stored");
-        if (glow.pixels.size() != 4 * size_t(glow.width) * size_t(glow.height) || !isUsable(glow))
-            throw Error("it is no glow map");
-        baked.glow = mipChain(std::move(glow));
+        if (emissive.pixels.size() != 4 * size_t(emissive.width) * size_t(emissive.height) ||
+            !isUsable(emissive))
+            throw Error("it is no emissive map");
+        baked.emissive = mipChain(std::move(emissive));
         return baked;
     } catch (const Interrupted&) {
         throw;
@@ -179,12 +180,12 @@ void BakeCache::store(const std::string& key, const BakedMaterial& baked)
         nlohmann::json manifest = {{"key", key}};
         baker::writeExr(path(key, ".exr"), baked.reflectance);
         manifest["reflectance"] = fileHash(path(key, ".exr"));
-        const Image& glow = baked.glow.front();
-        if (glow.width * glow.height == 1) {
-            manifest["glow"] = glow.pixels;
+        const Image& emissive = baked.emissive.front();
+        if (emissive.width * emissive.height == 1) {
+            manifest["emissive"] = emissive.pixels;
         } else {
-            writeImage(path(key, "-glow.exr"), glow);
-            manifest["glow"] = fileHash(path(key, "-glow.exr"));
+            writeImage(path(key, "-emissive.exr"), emissive);
+            manifest["emissive"] = fileHash(path(key, "-emissive.exr"));
         }
         writeFileAtomically(path(key, ".json"), manifest.dump() + "\n");
     } catch (const Error& e) {

@@ -1,7 +1,7 @@
 // Baked materials on disk, by content.
 //
-// An entry is <key>.exr (the reflectance), <key>-glow.exr where glow varies, and <key>.json with the hash
-// of each of these files' bytes, written last. An entry counts only if all hashes agree and the files
+// An entry is <key>.exr (the reflectance), <key>-emissive.exr where emissive varies, and <key>.json with the
+// hash of each of these files' bytes, written last. An entry counts only if all hashes agree and the files
 // can be read; so whatever is truncated, damaged, exchanged or of another version is baked anew.
 //
 // The key is a hash of what is baked: the decoded, joined maps and the options. Since decoding takes longer
@@ -27,7 +27,7 @@ public:
     // Of all fields that maps can depend on, the encoded images, options and versions: nothing is decoded.
     std::string inputKey(const Material& material) const;
     // Of what is baked.
-    std::string key(const baker::Maps& maps, const Image& glow) const;
+    std::string key(const baker::Maps& maps, const Image& emissive) const;
 
     // The key that these inputs led to, in this run or an earlier one.
     std::optional<std::string> recall(const std::string& inputKey) const;

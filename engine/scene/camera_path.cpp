@@ -32,7 +32,7 @@ Camera cameraOnPath(const Camera& start, Path path, double step, int index)
     return camera;
 }
 
-double usualStep(Path path)
+double defaultStep(Path path)
 {
     switch (path) {
     case Path::orbit:

@@ -17,6 +17,6 @@ enum class Path { still, orbit, dolly, pan, animation };
 Camera cameraOnPath(const Camera& start, Path path, double step, int index);
 
 // The `step` of a path when the user names none.
-double usualStep(Path path);
+double defaultStep(Path path);
 
 } // namespace lumel::scene

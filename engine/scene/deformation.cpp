@@ -103,12 +103,12 @@ std::vector<shared::Vertex> deformedVertices(const Mesh& mesh, std::span<const g
         glm::mat4 m(matrices.empty() ? 1.0f : 0.0f);
         for (size_t k = i * d.jointsPerVertex; !matrices.empty() && k < (i + 1) * d.jointsPerVertex; ++k)
             m += d.influences[k].weight * matrices[d.influences[k].joint];
-        vertices[i] = shared::bent(vertices[i], m);
+        vertices[i] = shared::skinned(vertices[i], m);
     }
     return vertices;
 }
 
-std::vector<shared::Vertex> bentVertices(const Scene& scene, int deformed)
+std::vector<shared::Vertex> deformedVertices(const Scene& scene, int deformed)
 {
     if (deformed < 0)
         return {};

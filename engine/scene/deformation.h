@@ -42,7 +42,7 @@ struct Skin {
     std::vector<Joint> joints;
 };
 
-// A mesh bent by a skin, by weights of morph targets, or both. Objects that bend alike share one.
+// A mesh deformed by a skin, by weights of morph targets, or both. Objects that bend alike share one.
 struct DeformedMesh {
     int mesh = 0;
     int skin = -1;              // in Scene::skins; then vertices end up in world space
@@ -73,7 +73,7 @@ std::vector<shared::Vertex> deformedVertices(const Mesh& mesh, std::span<const g
 
 // As the nodes say, in object space.
 // As the nodes say; nothing where the mesh does not bend. `deformed`: in Scene::deformed, -1 none.
-std::vector<shared::Vertex> bentVertices(const Scene& scene, int deformed);
+std::vector<shared::Vertex> deformedVertices(const Scene& scene, int deformed);
 
 Bounds objectBounds(const Scene& scene, size_t object);
 

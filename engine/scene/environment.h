@@ -1,4 +1,4 @@
-// The surroundings that light a scene: a picture of all directions, and what is made of it once on load.
+// The environment that light a scene: a picture of all directions, and what is made of it once on load.
 #pragma once
 #include "core/image.h"
 #include "scene.h"
@@ -14,7 +14,7 @@ struct Environment {
     std::vector<Light> lights; // for scenes without: what is too small and bright for the picture
 };
 
-// A direction of a picture in latitude and longitude (+Y on top, +X in the middle, +Z right of it) and back;
+// A direction of an equirectangular map (+Y on top, +X in the middle, +Z right of it) and back;
 // (0, 0) is the upper left corner, (1, 1) the lower right one.
 glm::vec3 latLongDirection(glm::vec2 place);
 glm::vec2 latLongPlace(glm::vec3 direction);

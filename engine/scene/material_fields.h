@@ -30,9 +30,9 @@ void forEachMaterialField(AnyMaterial& material, const Visit& visit)
     name, baseColor, metallic, roughness, normalScale, occlusionStrength, emissive, baseColorImage,          \
         metallicRoughnessImage, normalImage, occlusionImage, emissiveImage, specularGlossiness, glossiness,  \
         ior, specular, specularColor, specularImage, specularColorImage, anisotropy, anisotropyRotation,     \
-        anisotropyImage, unlit, uv, glowUv, baseColorUv, metallicRoughnessUv, specularUv, specularColorUv,   \
-        anisotropyUv, emissiveUv, alphaMode, alphaCutoff, doubleSided, heightImage, heightScale, bakedFile,  \
-        power
+        anisotropyImage, unlit, uv, emissionUv, baseColorUv, metallicRoughnessUv, specularUv,                \
+        specularColorUv, anisotropyUv, emissiveUv, alphaMode, alphaCutoff, doubleSided, heightImage,         \
+        heightScale, bakedFile, power
     auto& [LUMEL_FIELDS] = material;
     detail::visitAll(visit, LUMEL_FIELDS);
 #undef LUMEL_FIELDS

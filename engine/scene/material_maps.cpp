@@ -221,31 +221,31 @@ baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
     return maps;
 }
 
-bool glowVaries(const Material& material)
+bool emissiveVaries(const Material& material)
 {
     return occludes(material) || (emits(material) && material.emissiveImage >= 0);
 }
 
-Image glowImage(const Scene& scene, const Material& material)
+Image emissiveImage(const Scene& scene, const Material& material)
 {
     MaterialImages sources(scene);
-    const SameSize<2> images(
-        {sources.colours(emits(material) ? material.emissiveImage : -1, material.emissiveUv, material.glowUv),
-         sources.get(occludes(material) ? material.occlusionImage : -1)});
-    Image glow(images.width, images.height, 4);
+    const SameSize<2> images({sources.colours(emits(material) ? material.emissiveImage : -1,
+                                              material.emissiveUv, material.emissionUv),
+                              sources.get(occludes(material) ? material.occlusionImage : -1)});
+    Image emissive(images.width, images.height, 4);
     for (int y = 0; y < images.height; ++y)
         for (int x = 0; x < images.width; ++x) {
             for (int c = 0; c < 3; ++c)
-                glow.at(x, y)[c] = material.emissive[c] * images.colour(0, x, y, c);
-            glow.at(x, y)[3] = 1.0f + material.occlusionStrength * (images.value(1, x, y, 0) - 1.0f);
+                emissive.at(x, y)[c] = material.emissive[c] * images.colour(0, x, y, c);
+            emissive.at(x, y)[3] = 1.0f + material.occlusionStrength * (images.value(1, x, y, 0) - 1.0f);
         }
-    for (float value : glow.pixels)
+    for (float value : emissive.pixels)
         if (!std::isfinite(value))
             throw Error(
                 fmt::format("{}: material '{}': its emissive or occlusion image holds values that are not "
                             "finite; repair the image",
                             scene.file.string(), material.name));
-    return glow;
+    return emissive;
 }
 
 Image opacityImage(const Scene& scene, const Material& material)

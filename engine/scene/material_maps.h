@@ -8,10 +8,10 @@ namespace lumel::scene {
 // Decodes the images that reflection depends on. Constant materials give a map of 1 x 1 texels.
 baker::Maps reflectanceMaps(const Scene& scene, const Material& material);
 
-// Whether glow varies over the surface, told without decoding.
-bool glowVaries(const Material& material);
+// Whether emissive varies over the surface, told without decoding.
+bool emissiveVaries(const Material& material);
 // Emitted radiance (rgb) and ambient occlusion (alpha); 1 x 1 when it does not vary.
-Image glowImage(const Scene& scene, const Material& material);
+Image emissiveImage(const Scene& scene, const Material& material);
 
 // Base colour alpha, one channel; 1 x 1 when opaque or without an image that has alpha.
 Image opacityImage(const Scene& scene, const Material& material);

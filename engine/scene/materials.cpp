@@ -16,7 +16,7 @@ constexpr size_t kMaxSceneTexels = size_t(1) << 28;
 // What a material is baked from.
 struct Decoded {
     baker::Maps maps;
-    Image glow;
+    Image emissive;
 };
 
 BakedMaterial bakeOne(const Scene& scene, const Material& material, Decoded decoded,
@@ -30,7 +30,7 @@ BakedMaterial bakeOne(const Scene& scene, const Material& material, Decoded deco
     } catch (const Error& e) { // the baker knows maps, not files
         throw Error(fmt::format("{}: material '{}': {}", scene.file.string(), material.name, e.what()));
     }
-    baked.glow = mipChain(std::move(decoded.glow));
+    baked.emissive = mipChain(std::move(decoded.emissive));
     return baked;
 }
 
@@ -77,15 +77,15 @@ void MaterialBaker::add(size_t index)
     const Material& material = scene_.materials[index];
     if (!material.bakedFile.empty()) {
         all.push_back({.reflectance = baker::readExr(material.bakedFile),
-                       .glow = mipChain(glowImage(scene_, material)),
+                       .emissive = mipChain(emissiveImage(scene_, material)),
                        .opacity = {}});
         return;
     }
     const std::string inputKey = cache_.inputKey(material);
     if (const auto known = cache_.recall(inputKey); known && take(*known))
         return;
-    Decoded decoded{reflectanceMaps(scene_, material), glowImage(scene_, material)};
-    const std::string key = cache_.key(decoded.maps, decoded.glow);
+    Decoded decoded{reflectanceMaps(scene_, material), emissiveImage(scene_, material)};
+    const std::string key = cache_.key(decoded.maps, decoded.emissive);
     if (take(key)) {
         cache_.remember(inputKey, key);
         return;

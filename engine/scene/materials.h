@@ -9,7 +9,7 @@ struct BakedMaterial {
     baker::ReflectanceMips reflectance;
     // What the material adds and takes away besides reflecting: rgb = emitted radiance (linear), alpha =
     // ambient occlusion (1 open). Levels as in `reflectance`, of a size of its own; 1 x 1 when constant.
-    std::vector<Image> glow;
+    std::vector<Image> emissive;
     // One channel, the share of light that the surface stops: base colour alpha of masked and blended
     // materials, mipped; 1 x 1 where it does not vary.
     std::vector<Image> opacity;

@@ -60,8 +60,8 @@ Nearest pickMesh(const Scene& scene, size_t object, const Ray& worldRay, float d
     Nearest start{.distance = distance, .object = object};
     if (!meetsBox(ray, objectBounds(scene, object), distance))
         return start;
-    const std::vector<Vertex> bent = bentVertices(scene, o.deformed);
-    const std::vector<Vertex>& vertices = bent.empty() ? mesh.vertices : bent;
+    const std::vector<Vertex> deformed = deformedVertices(scene, o.deformed);
+    const std::vector<Vertex>& vertices = deformed.empty() ? mesh.vertices : deformed;
     const bool bothSides = scene.materials[size_t(o.material)].doubleSided;
     return tbb::parallel_reduce(
         tbb::blocked_range<size_t>(0, mesh.indices.size() / 3, 4096), start,
@@ -101,8 +101,8 @@ std::optional<Hit> pick(const Scene& scene, const Ray& ray)
         return std::nullopt;
     const Object& object = scene.objects[nearest.object];
     const Mesh& mesh = scene.meshes[size_t(object.mesh)];
-    const std::vector<Vertex> bent = bentVertices(scene, object.deformed);
-    const std::vector<Vertex>& vertices = bent.empty() ? mesh.vertices : bent;
+    const std::vector<Vertex> deformed = deformedVertices(scene, object.deformed);
+    const std::vector<Vertex>& vertices = deformed.empty() ? mesh.vertices : deformed;
     const auto corner = [&](size_t k) -> const Vertex& {
         return vertices[mesh.indices[3 * nearest.triangle + k]];
     };

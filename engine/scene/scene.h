@@ -92,7 +92,7 @@ struct Material {
     bool unlit = false;              // KHR_materials_unlit: only emits
     // The baker joins all maps of a kind into one. Where they are read: reflectance, and occlusion and
     // emission.
-    UvMapping uv, glowUv;
+    UvMapping uv, emissionUv;
     // Their own, where they are not the first of their kind: moved to the common place while baking.
     UvMapping baseColorUv, metallicRoughnessUv, specularUv, specularColorUv, anisotropyUv, emissiveUv;
     AlphaMode alphaMode = AlphaMode::opaque;
@@ -164,10 +164,6 @@ struct Scene {
     Animation animation; // objects, cameras and lights are where the nodes say, not the tracks
     Bounds bounds;       // of all objects, world space
 };
-
-// Loads .gltf (with files beside it or embedded) or .glb. Throws Error, one line naming file and remedy,
-// for anything malformed. Logs one line per object that cannot be lit in texture space.
-Scene loadGltf(const std::filesystem::path& file);
 
 // A camera that frames the scene's bounds from the front, a little above and to the right.
 Camera frameBounds(const Bounds& bounds, float aspect);

@@ -1,4 +1,4 @@
-// The built-in surroundings: a clear sky.
+// The built-in environment: a clear sky.
 #include "environment.h"
 #include "shared/limits.h"
 

@@ -81,8 +81,8 @@ void addArea(const Scene& scene, size_t index, const Pose& pose, const glm::mat4
     if (isTransparent(material) || isOutside(objectBounds(scene, index), clipFromObject))
         return;
     const Mesh& mesh = scene.meshes[size_t(object.mesh)];
-    const std::vector<Vertex> bent = bentVertices(scene, object.deformed);
-    const std::vector<Vertex>& vertices = bent.empty() ? mesh.vertices : bent;
+    const std::vector<Vertex> deformed = deformedVertices(scene, object.deformed);
+    const std::vector<Vertex>& vertices = deformed.empty() ? mesh.vertices : deformed;
     // In object space a mirrored object's front is as any other's.
     const glm::vec3 from(glm::inverse(worldFromObject) * glm::vec4(eye, 1.0f));
     for (size_t i = 0; i + 2 < mesh.indices.size() && area < kLeastArea; i += 3) {

@@ -129,22 +129,22 @@ void BudgetController::moveLevelBias(const FrameCost& cost)
 
 // Light that waits while its lamps move on is of another second, which is worse than fewer pixels: shading
 // pixels costs more than drawing lumels, but none of it waits.
-void BudgetController::moveRestless(const FrameCost& cost, double target)
+void BudgetController::moveDynamic(const FrameCost& cost, double target)
 {
-    const bool behind = cost.restless > 0 && latency_ > kShortWait && kPerPixelGuess * floorMs() < target;
+    const bool behind = cost.dynamic > 0 && latency_ > kShortWait && kPerPixelGuess * floorMs() < target;
     framesBehind_ = behind ? framesBehind_ + 1 : std::min(framesBehind_, 0);
-    framesCalm_ = cost.restless > 0 ? 0 : framesCalm_ + 1;
+    framesCalm_ = cost.dynamic > 0 ? 0 : framesCalm_ + 1;
     const bool dear =
-        quality_.restlessPerPixel && quality_.renderScale == kLeastRenderScale && floorMs() > target;
+        quality_.dynamicPerPixel && quality_.renderScale == kLeastRenderScale && floorMs() > target;
     framesDear_ = dear ? framesDear_ + 1 : 0;
     if (framesDear_ >= kFramesToFall) {
-        quality_.restlessPerPixel = false; // it costs more than there is
+        quality_.dynamicPerPixel = false; // it costs more than there is
         framesBehind_ = -framesToRetry_;
         framesToRetry_ = std::min(2 * framesToRetry_, kMostFramesToRetry);
     } else if (framesBehind_ >= kPatience) {
-        quality_.restlessPerPixel = true;
+        quality_.dynamicPerPixel = true;
     } else if (framesCalm_ >= kPatience) {
-        quality_.restlessPerPixel = false;
+        quality_.dynamicPerPixel = false;
     }
 }
 
@@ -153,7 +153,7 @@ void BudgetController::finished(const FrameCost& cost)
     model_.learn(cost, quality_);
     const double target = budget_ / model_.excess();
     moveLevelBias(cost);
-    moveRestless(cost, target);
+    moveDynamic(cost, target);
     moveScale(target);
     allotLumels(target);
     const bool atFloor = quality_.renderScale == kLeastRenderScale && floorMs() > budget_;

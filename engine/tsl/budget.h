@@ -10,15 +10,15 @@ namespace lumel::tsl {
 
 // The knobs of one frame.
 struct Quality {
-    uint32_t lumels = ~0u;         // to light at most
-    float levelBias = 0.0f;        // levels, 0 to kMostLevelBias
-    float renderScale = 1.0f;      // of the picture's width and height, kLeastRenderScale to 1
-    bool restlessPerPixel = false; // objects whose light changes frame after frame leave texture space
+    uint32_t lumels = ~0u;        // to light at most
+    float levelBias = 0.0f;       // levels, 0 to kMostLevelBias
+    float renderScale = 1.0f;     // of the picture's width and height, kLeastRenderScale to 1
+    bool dynamicPerPixel = false; // objects whose light changes frame after frame leave texture space
 
     bool samePicture(const Quality& other) const // once everything is lit
     {
         return levelBias == other.levelBias && renderScale == other.renderScale &&
-               restlessPerPixel == other.restlessPerPixel;
+               dynamicPerPixel == other.dynamicPerPixel;
     }
 };
 inline constexpr float kMostLevelBias = 2.0f;
@@ -35,7 +35,7 @@ struct FrameCost {
     bool found = true; // false: nothing had changed, so that nothing was looked for
     size_t lumelsLit = 0, lumelsPending = 0;
     uint32_t lumelsAllowed = ~0u; // by other limits
-    size_t restless = 0;          // objects in view whose light changes frame after frame
+    size_t dynamic = 0;           // objects in view whose light changes frame after frame
 };
 
 // The median of the last few values: blind to a spike of one or two frames, such as a pipeline's first use.
@@ -86,7 +86,7 @@ private:
     float scaleFor(double ms) const;
     void moveScale(double target);
     void moveLevelBias(const FrameCost& cost);
-    void moveRestless(const FrameCost& cost, double target);
+    void moveDynamic(const FrameCost& cost, double target);
     void allotLumels(double target);
 
     double budget_;

@@ -1,5 +1,5 @@
 // Detail: how finely a view is lit. One lumel a pixel across takes many lumels where surfaces are seen at a
-// flat angle; a bound on them gives up the length of footprints first, then the size of lumels.
+// grazing angle; a bound on them gives up the length of footprints first, then the size of lumels.
 #pragma once
 #include "shared/structs.h"
 #include <array>
@@ -22,7 +22,7 @@ struct Detail {
 // coarser lumels do (measured on the examples).
 inline constexpr float kLeastAnisotropy = 2.0f;
 
-// Lumels that `detail` takes, for each of `pixels`. Seen at a flat angle, a pixel takes as many as its
+// Lumels that `detail` takes, for each of `pixels`. Seen at a grazing angle, a pixel takes as many as its
 // footprint is longer than wide; beyond the anisotropy its lumels grow, as a square.
 float lumelsPerPixel(const Elongations& elongations, float pixels, const Detail& detail);
 

@@ -172,18 +172,18 @@ TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size)
     return map;
 }
 
-glm::uvec2 lumelGrid(glm::ivec2 material, glm::ivec2 glow)
+glm::uvec2 lumelGrid(glm::ivec2 material, glm::ivec2 emissive)
 {
-    const auto grid = [](int texels, int glowTexels) {
+    const auto grid = [](int texels, int emissiveTexels) {
         const auto next = [](int n) { return std::bit_ceil(uint32_t(std::max(n, 1))); };
-        return std::clamp(std::max(2u * next(texels), next(glowTexels)), kMinGrid, kMaxGrid);
+        return std::clamp(std::max(2u * next(texels), next(emissiveTexels)), kMinGrid, kMaxGrid);
     };
-    return {grid(material.x, glow.x), grid(material.y, glow.y)};
+    return {grid(material.x, emissive.x), grid(material.y, emissive.y)};
 }
 
-glm::uvec2 lumelGrid(const scene::Mesh& mesh, glm::ivec2 material, glm::ivec2 glow)
+glm::uvec2 lumelGrid(const scene::Mesh& mesh, glm::ivec2 material, glm::ivec2 emissive)
 {
-    double texels = 0.0, glowTexels = 0.0, lit = 0.0; // areas: of the maps in texels, of the lit texture
+    double texels = 0.0, emissiveTexels = 0.0, lit = 0.0; // areas: of the maps in texels, of the lit texture
     const auto area = [](glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
         return 0.5 * std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
     };
@@ -191,10 +191,10 @@ glm::uvec2 lumelGrid(const scene::Mesh& mesh, glm::ivec2 material, glm::ivec2 gl
         const auto &a = mesh.vertices[mesh.indices[i]], &b = mesh.vertices[mesh.indices[i + 1]],
                    &c = mesh.vertices[mesh.indices[i + 2]];
         texels += area(a.materialUv, b.materialUv, c.materialUv) * material.x * material.y;
-        glowTexels += area(a.glowUv, b.glowUv, c.glowUv) * glow.x * glow.y;
+        emissiveTexels += area(a.emissionUv, b.emissionUv, c.emissionUv) * emissive.x * emissive.y;
         lit += area(a.uv, b.uv, c.uv);
     }
-    const double across = lit > 0.0 ? std::sqrt(std::max(4.0 * texels, glowTexels) / lit) : 0.0;
+    const double across = lit > 0.0 ? std::sqrt(std::max(4.0 * texels, emissiveTexels) / lit) : 0.0;
     const double clear = mesh.unwrapped ? kChartGap / std::max(double(mesh.unwrapped->gap), 1e-9) : 0.0;
     const double power =
         std::max(std::round(std::log2(std::max(across, 1.0))), std::ceil(std::log2(std::max(clear, 1.0))));

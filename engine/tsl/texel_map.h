@@ -33,14 +33,14 @@ TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size);
 // because light reflected by interpolated normals varies faster than the normals do (measured on the record's
 // grooves, near: 34.5 dB against the reference, 24.5 dB with lumels as large as texels). Only views that need
 // that level light it. Emission and occlusion do not vary faster than their texels: the next power of two
-// will do for glow. At least kMinGrid, so that light still varies over a plain colour; at most kMaxGrid.
+// will do for emissive. At least kMinGrid, so that light still varies over a plain colour; at most kMaxGrid.
 inline constexpr uint32_t kMinGrid = 1024, kMaxGrid = 8192;
-glm::uvec2 lumelGrid(glm::ivec2 material, glm::ivec2 glow);
+glm::uvec2 lumelGrid(glm::ivec2 material, glm::ivec2 emissive);
 
 // The same for a mesh whose lit UVs are not its material UVs: square, and as many lumels on a surface as
 // there would be if they were the same, to the nearest power of two, at most kMaxOwnGrid. At least so fine
 // that unwrapped charts stay clear of each other's filter taps.
 inline constexpr uint32_t kMaxOwnGrid = 4096;
-glm::uvec2 lumelGrid(const scene::Mesh& mesh, glm::ivec2 material, glm::ivec2 glow);
+glm::uvec2 lumelGrid(const scene::Mesh& mesh, glm::ivec2 material, glm::ivec2 emissive);
 
 } // namespace lumel::tsl

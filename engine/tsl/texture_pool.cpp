@@ -56,7 +56,7 @@ TextureId TexturePool::findRecyclable(glm::uvec2 size, uint64_t frame, bool free
 }
 
 // Gives up blocks that this frame does not use, least recently used first, until `bytes` fit below the cap.
-bool TexturePool::makeRoom(size_t bytes, uint64_t frame)
+bool TexturePool::evictFor(size_t bytes, uint64_t frame)
 {
     while (usedBytes_ + bytes > capBytes_) {
         int oldest = -1;
@@ -126,7 +126,7 @@ TextureId TexturePool::acquire(int object, uint32_t litLevel, glm::uvec2 size, u
     if (usedBytes_ + bytes > capBytes_)
         if (const TextureId old = findRecyclable(size, frame, false))
             return claim(old, object, litLevel, frame);
-    if (!makeRoom(bytes, frame))
+    if (!evictFor(bytes, frame))
         return {};
     addBlock(size);
     return claim(findRecyclable(size, frame, true), object, litLevel, frame);

@@ -68,7 +68,7 @@ private:
     PoolTexture& at(TextureId id) { return blocks_[size_t(id.block)].textures[id.layer]; }
     TextureId claim(TextureId id, int object, uint32_t litLevel, uint64_t frame);
     TextureId findRecyclable(glm::uvec2 size, uint64_t frame, bool freeOnly) const;
-    bool makeRoom(size_t bytes, uint64_t frame);
+    bool evictFor(size_t bytes, uint64_t frame);
     void addBlock(glm::uvec2 size);
     void disown(TextureId id);
 

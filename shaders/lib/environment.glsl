@@ -1,4 +1,4 @@
-// What a surface reflects of the surroundings.
+// What a surface reflects of the environment.
 #ifndef LUMEL_ENVIRONMENT_GLSL
 #define LUMEL_ENVIRONMENT_GLSL
 #include "lib/interface.glsl"

@@ -18,8 +18,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer JobTiles { J
 #define LUMEL_TILE_STATES
 #endif
 layout(buffer_reference, scalar, buffer_reference_align = 8) LUMEL_TILE_STATES buffer TileStates { TileState at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Needs { Need at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer NeedTotals { NeedTotal at; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FeedbackList { ObjectFeedback at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FeedbackTotals { FeedbackTotal at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Plans { Plan at; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Jobs { Job at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Marks { Mark at[]; };

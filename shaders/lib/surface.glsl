@@ -11,7 +11,7 @@
 layout(set = 1, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
 layout(set = 1, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
 layout(set = 1, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
-layout(set = 1, binding = 3) uniform sampler2D mapGlow;     // emitted radiance, ambient occlusion
+layout(set = 1, binding = 3) uniform sampler2D mapEmissive;     // emitted radiance, ambient occlusion
 layout(set = 1, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
 layout(set = 1, binding = 5) uniform sampler2D mapBase;     // mean F0, mean variance of the level-0 lobes
 
@@ -26,19 +26,19 @@ struct MaterialTexel {
     float baseVariance;
 };
 
-MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 glow, vec4 base)
+MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 emissive, vec4 base)
 {
-    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, glow.rgb, glow.a,
+    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, emissive.rgb, emissive.a,
                          base.rgb, base.a);
 }
 
-// uv: of the reflectance (xy) and of glow (zw). levels: of the reflectance and of glow, which are chains of their own
+// uv: of the reflectance (xy) and of emissive (zw). levels: of the reflectance and of emissive, which are chains of their own
 // sizes: each counts from its own map's finest level. They may be below 0.
 MaterialTexel sampleMaterial(vec4 uv, vec2 levels)
 {
     levels = max(levels, vec2(0.0));
     return unpackMaterial(textureLod(mapNormal, uv.xy, levels.x), textureLod(mapSpecular, uv.xy, levels.x),
-                          textureLod(mapDiffuse, uv.xy, levels.x), textureLod(mapGlow, uv.zw, levels.y),
+                          textureLod(mapDiffuse, uv.xy, levels.x), textureLod(mapEmissive, uv.zw, levels.y),
                           textureLod(mapBase, uv.xy, levels.x)); // of the reflectance's size, or constant
 }
 

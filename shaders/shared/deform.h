@@ -11,7 +11,7 @@ LUMEL_FN vec3 unitOr(vec3 v, vec3 otherwise)
     return length2 > 0.0f && length2 < 1e38f ? v / sqrt(length2) : otherwise;
 }
 
-// What a morph target adds at a weight. Lengths are put right by bent().
+// What a morph target adds at a weight. Lengths are normalised by skinned().
 LUMEL_FN Vertex morphed(Vertex v, MorphDelta delta, float weight)
 {
     v.position += weight * delta.position;
@@ -23,7 +23,7 @@ LUMEL_FN Vertex morphed(Vertex v, MorphDelta delta, float weight)
 // m: the mean of the joints' matrices, by their weights. Normals go by its cofactors, which are its inverse
 // transpose times its determinant but need no division: right under scales that differ by axis. Where it mirrors, so
 // does the bitangent, which is the cross product of the other two: w changes its sign.
-LUMEL_FN Vertex bent(Vertex v, mat4 m)
+LUMEL_FN Vertex skinned(Vertex v, mat4 m)
 {
     vec3 x = vec3(m[0]), y = vec3(m[1]), z = vec3(m[2]);
     vec3 normal = v.normal.x * cross(y, z) + v.normal.y * cross(z, x) + v.normal.z * cross(x, y);

@@ -24,7 +24,7 @@ LUMEL_CONST float kComparedEnergy = 0.75f;
 // lie within the same angle of N as with GGX. alpha = r^2; of GGX (Walter et al. 2007, eq. 35) the share q lies
 // within tan^2(angle) = alpha^2 q / (1 - q), of a Blinn-Phong distribution within cos(angle)^(p + 2) = 1 - q.
 // q = 1/2 would match the core of highlights, but shows the tails of GGX too dark; q = 0.75 is close to the least
-// error both of spheres under single lights and of reflected surroundings.
+// error both of spheres under single lights and of reflected environment.
 // Roughnesses below 0.098 and above 0.843 run into the limits of the power.
 LUMEL_FN float powerFromRoughness(float perceptualRoughness)
 {

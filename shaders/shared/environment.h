@@ -1,4 +1,4 @@
-// Light from all around: a picture of the surroundings, filtered once for rough and smooth lobes.
+// Light from all around: a picture of the environment, filtered once for rough and smooth lobes.
 //
 // The specular part is a product of two averages (Karis 2013, "Real Shading in Unreal Engine 4", the split
 // sum): of the radiance around the reflected direction, and of the reflectance (F0 + (F90 - F0) grazingShare, see

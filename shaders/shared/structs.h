@@ -16,8 +16,8 @@ layout(buffer_reference) buffer Texels;
 layout(buffer_reference) buffer Objects;
 layout(buffer_reference) buffer JobTiles;
 layout(buffer_reference) buffer TileStates;
-layout(buffer_reference) buffer Needs;
-layout(buffer_reference) buffer NeedTotals;
+layout(buffer_reference) buffer FeedbackList;
+layout(buffer_reference) buffer FeedbackTotals;
 layout(buffer_reference) buffer Plans;
 layout(buffer_reference) buffer Jobs;
 layout(buffer_reference) buffer Marks;
@@ -36,7 +36,7 @@ struct Vertex {
     vec4 tangent;  // unit xyz, w = handedness: B = w cross(N, T)
     vec2 uv;       // lit UVs: where its lumels are; unique, (0, 0) = upper left corner
     vec2 materialUv; // where the material's maps are read; equal to uv where the file's own are unique
-    vec2 glowUv;     // the same for emission and occlusion
+    vec2 emissionUv;     // the same for emission and occlusion
 };
 
 // What vertex shaders are fed, by location: of each vertex, and of the object (an instance's index is its object's).
@@ -44,7 +44,7 @@ LUMEL_CONST uint kAttributePosition = 0u;
 LUMEL_CONST uint kAttributeNormal = 1u;
 LUMEL_CONST uint kAttributeTangent = 2u;
 LUMEL_CONST uint kAttributeUv = 3u;
-LUMEL_CONST uint kAttributeMaterialUv = 4u;  // and glowUv
+LUMEL_CONST uint kAttributeMaterialUv = 4u;  // and emissionUv
 LUMEL_CONST uint kAttributeWorld = 5u;       // worldFromObject, four columns
 LUMEL_CONST uint kAttributeWorldNormal = 9u; // worldFromObjectNormal, three columns
 
@@ -77,7 +77,7 @@ struct Light {
     uint changed; // frame in which it last moved or changed
 };
 
-// The surroundings, see shared/environment.h.
+// The environment, see shared/environment.h.
 struct EnvironmentView {
     vec3 diffuse[9]; // of the quadric, scaled by the intensity
     float intensity; // multiplies the texture
@@ -150,7 +150,7 @@ struct Object {
     uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
     uvec2 litSize;                 // lumels of level 0, powers of two
     float materialLevelOffset;     // material level = lit level + this, where the UVs are the same
-    float glowLevelOffset;         // the same for glow, a map of a size of its own
+    float emissiveLevelOffset;         // the same for emissive, a map of a size of its own
     uint flags;                    // kObject...
     float alphaCutoff;
     float dielectric;              // reflectance that vertex colours do not tint; < 0: they tint none
@@ -269,20 +269,20 @@ LUMEL_CONST uint kMaxJobGroups = 16384u;
 LUMEL_CONST uint kTexelTriangleMask = 0xffffffu;
 LUMEL_CONST uint kTexelCoverageShift = 24u;
 
-// Levels of the need pass: kNeedFinest + n / kNeedScale, finer than any grid has where it is magnified.
+// Levels of the feedback pass: kFeedbackFinest + n / kFeedbackScale, finer than any grid has where it is magnified.
 LUMEL_CONST uint kNotSeen = 0xffffffffu;
-LUMEL_CONST uint kNeedScale = 256u;
-LUMEL_CONST float kNeedFinest = -4.0f;
-// What the need pass finds of an object.
-struct Need {
+LUMEL_CONST uint kFeedbackScale = 256u;
+LUMEL_CONST float kFeedbackFinest = -4.0f;
+// What the feedback pass finds of an object.
+struct ObjectFeedback {
     uint level;   // the least of all samples, kNotSeen when there are none
     uint samples;
 };
 // What it finds of the view: samples by how much longer than wide their footprints are (tsl/detail.h), in
-// 1 / kNeedScale.
+// 1 / kFeedbackScale.
 LUMEL_CONST uint kElongations = 20u; // bins
 LUMEL_CONST uint kElongationsAnOctave = 4u;
-struct NeedTotal {
+struct FeedbackTotal {
     uint elongations[kElongations];
     uint carries[kElongations]; // of these, 2^32 each: a picture of 8192 x 8192 samples may need two
 };
@@ -301,9 +301,9 @@ struct DeformPush {
     uint morphs; // 1: there are deltas
 };
 
-struct NeedPush {
-    LUMEL_ADDRESS(Needs) needs;
-    LUMEL_ADDRESS(NeedTotals) total;
+struct FeedbackPush {
+    LUMEL_ADDRESS(FeedbackList) objects;
+    LUMEL_ADDRESS(FeedbackTotals) total;
     vec2 jitter;   // sub-pixel offset in clip space
     float divisor; // full-size pixels per sample, per axis
     uint object;
@@ -320,7 +320,7 @@ struct PlanPush {
     LUMEL_ADDRESS(Marks) marks;
     LUMEL_ADDRESS(Jobs) jobs;
     LUMEL_ADDRESS(JobTiles) tiles; // of all jobs
-    uvec2 samples;       // of the need pass
+    uvec2 samples;       // of the feedback pass
     float divisor;       // full-size pixels per sample, per axis
     float reach;         // lumels around a point that the draw filter reads
     uint objectCount;

@@ -108,7 +108,7 @@ TEST_F(ImageFiles, JpegBombsAreCut)
     EXPECT_FALSE(fs::exists(folder_ / "out.exr"));
 }
 
-TEST_F(ImageFiles, BakedFilesSurroundingsAndPicturesAreReadTheSameWay)
+TEST_F(ImageFiles, BakedFilesEnvironmentAndPicturesAreReadTheSameWay)
 {
     writeHeightMap(folder_ / "h.png", 64, 64);
     ASSERT_EQ(run({"bake", "--height", "h.png", "--height-scale", "0.02", "-o", "baked.exr"}).exitCode, 0);

@@ -45,11 +45,11 @@ TEST_F(Ambient, NoneIsNone)
     for (const char* shading : {"forward", "reference"})
         EXPECT_EQ(largest(with({"--environment", "none", "--shading", shading, "--samples", "2"})), 0.0f);
     // Without being asked for none, a sky of 4 % of the sun and a third of that below: its horizon is behind.
-    const Image usual = with({});
-    EXPECT_NEAR(*usual.at(0, 0), 0.04f * 3.0f * 2.0f / 3.0f, 1e-4f);
-    EXPECT_GT(*usual.at(32, 24), 0.02f);
-    EXPECT_EQ(with({"--ambient", "0.12"}).pixels, usual.pixels);
-    EXPECT_EQ(with({"--ambient", "0.12", "--environment", "none"}).pixels, usual.pixels);
+    const Image defaults = with({});
+    EXPECT_NEAR(*defaults.at(0, 0), 0.04f * 3.0f * 2.0f / 3.0f, 1e-4f);
+    EXPECT_GT(*defaults.at(32, 24), 0.02f);
+    EXPECT_EQ(with({"--ambient", "0.12"}).pixels, defaults.pixels);
+    EXPECT_EQ(with({"--ambient", "0.12", "--environment", "none"}).pixels, defaults.pixels);
     EXPECT_EQ(largest(with({"--ambient", "0"})), 0.0f);
     expectOneLine(run({"shot", "square.gltf", "-o", "a.png", "--ambient", "-1"}), 2, "--ambient");
 }
@@ -168,9 +168,9 @@ TEST_F(Exposure, RealWorldLightsComeOutNeitherWhiteNorBlack)
 TEST_F(Exposure, IsLeftAloneWhereOneWillDo)
 {
     writeLit("directional", 3.0f);
-    EXPECT_EQ(saidExposure(shoot("usual.png", {})), "");
+    EXPECT_EQ(saidExposure(shoot("defaults.png", {})), "");
     shoot("one.png", {"--exposure", "1"});
-    EXPECT_EQ(readText(folder_ / "usual.png"), readText(folder_ / "one.png"));
+    EXPECT_EQ(readText(folder_ / "defaults.png"), readText(folder_ / "one.png"));
     EXPECT_NE(saidExposure(shoot("auto.png", {"--exposure", "auto"})), ""); // asked for
     // Lights of the command line are its user's, and a scene without gets none of it.
     EXPECT_EQ(saidExposure(shoot("sun.png", {"--light", "sun,0,0,-1,1,1,1,100000"})), "");

@@ -13,14 +13,14 @@ void load(const std::filesystem::path& file)
     const scene::Scene scene = scene::loadGltf(file);
     const scene::Shapes shapes = scene::shapesAt(scene.skins, scene.deformed, scene.animation, 0.4);
     for (size_t i = 0; i < scene.deformed.size(); ++i) {
-        const scene::DeformedMesh& bent = scene.deformed[i];
-        scene::deformedVertices(scene.meshes[size_t(bent.mesh)],
-                                bent.skin >= 0 ? shapes.joints[size_t(bent.skin)] : scene::Matrices(),
+        const scene::DeformedMesh& deformed = scene.deformed[i];
+        scene::deformedVertices(scene.meshes[size_t(deformed.mesh)],
+                                deformed.skin >= 0 ? shapes.joints[size_t(deformed.skin)] : scene::Matrices(),
                                 shapes.weights[i]);
     }
     for (const scene::Material& material : scene.materials) {
         scene::reflectanceMaps(scene, material);
-        scene::glowImage(scene, material);
+        scene::emissiveImage(scene, material);
         scene::opacityImage(scene, material);
     }
 }

@@ -98,7 +98,7 @@ GltfBuilder quantised()
 }
 
 // Two joints, two morph targets, colours, and animations of all of them.
-GltfBuilder bent()
+GltfBuilder deformed()
 {
     GltfBuilder gltf;
     gltf.quad();
@@ -142,7 +142,7 @@ void writeGltfSeeds(const std::filesystem::path& folder)
     write(folder, "draco", draco);
     write(folder, "materials", materials());
     write(folder, "nodes", nodes());
-    write(folder, "bent", bent());
+    write(folder, "deformed", deformed());
     write(folder, "quantised", quantised());
 }
 

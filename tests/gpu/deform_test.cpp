@@ -12,7 +12,7 @@ namespace {
 
 // A plane of 16 x 16 quads under a skin of two joints, the left and the right half with a soft change, and a
 // morph target that bulges it.
-TestScene bendingScene(const baker::Maps& maps = bumpyMaps(128, 1.0f, 60.0f))
+TestScene deformingScene(const baker::Maps& maps = bumpyMaps(128, 1.0f, 60.0f))
 {
     TestScene s;
     scene::Mesh mesh = planeMesh(16);
@@ -83,11 +83,11 @@ using DeformTest = GpuTest;
 
 TEST_F(DeformTest, TheGpuPutsVerticesWhereTheCpuDoes)
 {
-    const TestScene s = bendingScene();
+    const TestScene s = deformingScene();
     Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::forward));
     for (const float t : {0.0f, 0.7f, 1.3f}) {
         const scene::Shapes shapes = shapeAt(t);
-        renderer.bend(shapes);
+        renderer.deform(shapes);
         renderer.render(kCamera);
         const gpu::Buffer& buffer = renderer.scene().deformedMeshes().items()[0].vertices;
         const auto bytes = gpu::readBack(device(), buffer, buffer.size());
@@ -106,7 +106,7 @@ TEST_F(DeformTest, TheGpuPutsVerticesWhereTheCpuDoes)
 
 TEST_F(DeformTest, AllShadingsAgreeWithTheReferenceAtEveryTime)
 {
-    TestScene s = bendingScene(plainMaps());
+    TestScene s = deformingScene(plainMaps());
     for (const float t : {0.0f, 0.7f, 1.4f}) {
         setShape(s, t);
         const Picture truth = shoot(s, kCamera, settingsFor(Shading::reference));
@@ -117,31 +117,31 @@ TEST_F(DeformTest, AllShadingsAgreeWithTheReferenceAtEveryTime)
 
 TEST_F(DeformTest, WhatStandsStillKeepsItsLumelsAndWhatMovesIsLitAgain)
 {
-    TestScene s = bendingScene();
+    TestScene s = deformingScene();
     s.add(planeMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(0, 0, -1.5f)));
     Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
-    renderer.bend(shapeAt(0.4f));
+    renderer.deform(shapeAt(0.4f));
     EXPECT_GT(renderer.render(kCamera).lumelsLit, 0u);
     for (int i = 0; i < 5; ++i) {
-        renderer.bend(shapeAt(0.4f)); // the animation pauses
+        renderer.deform(shapeAt(0.4f)); // the animation pauses
         const FrameStats stats = renderer.render(kCamera);
         EXPECT_EQ(stats.lumelsLit, 0u) << i;
         EXPECT_FALSE(stats.passMs.contains("deform")) << i;
     }
-    renderer.bend(shapeAt(0.9f));
+    renderer.deform(shapeAt(0.9f));
     const FrameStats stats = renderer.render(kCamera);
     EXPECT_GT(stats.lumelsLit, 0u);
     EXPECT_TRUE(stats.passMs.contains("deform"));
-    for (uint32_t i = 0; i < NeedPass::kCycle; ++i)
+    for (uint32_t i = 0; i < FeedbackPass::kCycle; ++i)
         renderer.render(kCamera); // until the sub-pixel offsets have met every tile
     setShape(s, 0.9f);
     EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, kCamera, settingsFor(Shading::tsl)).display), 45.0);
 }
 
 // The shadow of what bends follows it, whether the camera sees what casts it or the ground alone.
-TEST_F(DeformTest, AShadowFollowsWhatBends)
+TEST_F(DeformTest, AShadowFollowsWhatDeforms)
 {
-    TestScene s = bendingScene(plainMaps());
+    TestScene s = deformingScene(plainMaps());
     s.add(planeMesh(8), plainMaps(),
           glm::translate(glm::mat4(1.0f), {1, 0, -1.5f}) * glm::scale(glm::mat4(1.0f), glm::vec3(4)));
     s.scene.lights = {sun({1, 0, -1})};
@@ -151,30 +151,30 @@ TEST_F(DeformTest, AShadowFollowsWhatBends)
         Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
         setShape(s, 0.0f);
         const Picture before = shoot(s, camera, settingsFor(Shading::reference));
-        renderer.bend(shapeAt(0.0f));
+        renderer.deform(shapeAt(0.0f));
         EXPECT_EQ(renderer.render(camera).objectsCulled, outOfView ? 1u : 0u);
         EXPECT_GT(psnr(renderer.readDisplay(), before.display), 33.0);
         setShape(s, 1.2f);
         const Picture after = shoot(s, camera, settingsFor(Shading::reference));
         EXPECT_LT(psnr(after.display, before.display), 22.0);
-        renderer.bend(shapeAt(1.2f));
+        renderer.deform(shapeAt(1.2f));
         const FrameStats stats = renderer.render(camera);
         EXPECT_GT(stats.passMs.at("shadow"), 0.0);
         EXPECT_GT(stats.lumelsLit, 0u);
         EXPECT_GT(psnr(renderer.readDisplay(), after.display), 33.0);
         // A pause: its map is as good as new.
-        renderer.bend(shapeAt(1.2f));
+        renderer.deform(shapeAt(1.2f));
         EXPECT_FALSE(renderer.render(camera).passMs.contains("shadow"));
     }
 }
 
 TEST_F(DeformTest, TheSameMotionGivesTheSameBits)
 {
-    const TestScene s = bendingScene();
+    const TestScene s = deformingScene();
     const auto play = [&] {
         Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
         for (int i = 0; i < 6; ++i) {
-            renderer.bend(shapeAt(0.2f * float(i)));
+            renderer.deform(shapeAt(0.2f * float(i)));
             renderer.render(kCamera);
         }
         return renderer.readRadiance().pixels;
@@ -184,12 +184,12 @@ TEST_F(DeformTest, TheSameMotionGivesTheSameBits)
 
 TEST_F(DeformTest, JointsBringWhatWasOutOfViewIntoItAsItsNodeWould)
 {
-    const TestScene s = bendingScene();
+    const TestScene s = deformingScene();
     Renderer byJoints(device(), s.scene, s.materials, settingsFor(Shading::tsl));
     Renderer byNode(device(), s.scene, s.materials, settingsFor(Shading::tsl));
     for (const float x : {50.0f, 0.5f}) {
         const glm::mat4 m = glm::translate(glm::mat4(1.0f), glm::vec3(x, 0, 0));
-        byJoints.bend({{{m, m}}, {{0.0f}}});
+        byJoints.deform({{{m, m}}, {{0.0f}}});
         byNode.moveObject(0, m);
         const FrameStats stats = byJoints.render(kCamera);
         EXPECT_EQ(stats.objectsCulled, x > 1.0f ? 1u : 0u);
@@ -200,11 +200,11 @@ TEST_F(DeformTest, JointsBringWhatWasOutOfViewIntoItAsItsNodeWould)
 
 TEST_F(DeformTest, JointsThatMirrorShowTheFront)
 {
-    const TestScene s = bendingScene(plainMaps());
+    const TestScene s = deformingScene(plainMaps());
     const glm::mat4 mirror = glm::scale(glm::mat4(1.0f), glm::vec3(-1, 1, 1));
     Settings settings = settingsFor(Shading::tsl);
     Renderer renderer(device(), s.scene, s.materials, settings);
-    renderer.bend({{{mirror, mirror}}, {{0.0f}}});
+    renderer.deform({{{mirror, mirror}}, {{0.0f}}});
     renderer.render(kCamera);
     // The plane is symmetric, and so is its material.
     EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, kCamera, settings).display), 35.0);

@@ -65,7 +65,7 @@ TEST_F(Exposure, EveryWayOfShadingMetersTheSame)
     }
 }
 
-TEST_F(Exposure, TheSurroundingsCountWhereTheyAreSeen)
+TEST_F(Exposure, TheEnvironmentCountWhereTheyAreSeen)
 {
     TestScene s = bumpySphere(3.0f);
     s.scene.environment = std::make_shared<const scene::Environment>(scene::skyEnvironment());

@@ -69,8 +69,8 @@ shared::FormulaInput randomInput(Random& random)
 std::vector<shared::FormulaOutput> onTheGpu(const std::vector<shared::FormulaInput>& inputs)
 {
     const gpu::Buffer in = gpu::uploadBuffer(device(), inputs, "inputs");
-    const gpu::Buffer out(device(), inputs.size() * sizeof(shared::FormulaOutput), gpu::Buffer::Home::device,
-                          "outputs");
+    const gpu::Buffer out(device(), inputs.size() * sizeof(shared::FormulaOutput),
+                          gpu::Buffer::MemoryUsage::device, "outputs");
     struct {
         vk::DeviceAddress inputs, outputs;
         uint32_t count;

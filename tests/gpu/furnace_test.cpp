@@ -1,5 +1,5 @@
 // A white furnace: light of 1 from everywhere. White metals return it whatever their roughness, dielectrics
-// no more than it, in every way of shading, from surroundings and from lights. LUMEL_TABLE=1 prints what each
+// no more than it, in every way of shading, from environment and from lights. LUMEL_TABLE=1 prints what each
 // sphere returns.
 #include "scene/environment.h"
 #include "shared/energy.h"
@@ -32,7 +32,7 @@ TestScene spheres()
     return s;
 }
 
-void addSurroundings(TestScene& s)
+void addEnvironment(TestScene& s)
 {
     Image white(32, 16, 3);
     std::fill(white.pixels.begin(), white.pixels.end(), 1.0f);
@@ -103,11 +103,11 @@ protected:
     }
 };
 
-TEST_F(Furnace, SurroundingsComeBack)
+TEST_F(Furnace, EnvironmentComeBack)
 {
     TestScene s = spheres();
-    addSurroundings(s);
-    expectAllReturned(s, "surroundings", 0.02);
+    addEnvironment(s);
+    expectAllReturned(s, "environment", 0.02);
 }
 
 TEST_F(Furnace, LightsFromEverywhereComeBack)

@@ -1,6 +1,6 @@
 // What a device with small limits is refused for, from made-up limits: no device is asked.
 #include "gpu/limits.h"
-#include "passes/demands.h"
+#include "renderer/demands.h"
 #include "shared/structs.h"
 #include <functional>
 #include <gtest/gtest.h>

@@ -19,7 +19,7 @@ protected:
     template<class T>
     static gpu::Buffer list(size_t count)
     {
-        gpu::Buffer buffer(device(), count * sizeof(T), gpu::Buffer::Home::host, "list");
+        gpu::Buffer buffer(device(), count * sizeof(T), gpu::Buffer::MemoryUsage::host, "list");
         std::fill_n(buffer.mapped<uint32_t>(), count * sizeof(T) / sizeof(uint32_t), 0u);
         return buffer;
     }
@@ -116,7 +116,7 @@ protected:
         });
     }
 
-    // need.comp over `samples` that all see object 0, as long as wide.
+    // feedback.comp over `samples` that all see object 0, as long as wide.
     void countSamples(uint32_t samples, const gpu::Buffer& needs, const gpu::Buffer& total)
     {
         using Type = vk::DescriptorType;
@@ -133,19 +133,19 @@ protected:
                               "seen");
         gpu::writeStorage(device(), *seenSet, 0, seen.view());
         const gpu::Pipeline pipeline = gpu::makeComputePipeline(
-            device(), "need.comp", {*frameLayout, *seenLayout}, sizeof(shared::NeedPush));
-        const shared::NeedPush push{.needs = needs.address(),
-                                    .total = total.address(),
-                                    .jitter = {},
-                                    .divisor = 1.0f,
-                                    .object = 0,
-                                    .size = {samples, 1}};
+            device(), "feedback.comp", {*frameLayout, *seenLayout}, sizeof(shared::FeedbackPush));
+        const shared::FeedbackPush push{.objects = needs.address(),
+                                        .total = total.address(),
+                                        .jitter = {},
+                                        .divisor = 1.0f,
+                                        .object = 0,
+                                        .size = {samples, 1}};
         // Object, UV, and half floats of 1/64: two lumels of 128 a pixel, along x and along y.
-        const vk::ClearColorValue sight(std::array<uint32_t, 4>{1u, 0u, 0x2400u, 0x24000000u});
+        const vk::ClearColorValue sample(std::array<uint32_t, 4>{1u, 0u, 0x2400u, 0x24000000u});
         device().runOnce([&](vk::CommandBuffer commands) {
             gpu::imageBarrier(commands, seen.handle(), seen.aspect(), gpu::Use::undefined,
                               gpu::Use::transferWrite);
-            commands.clearColorImage(seen.handle(), vk::ImageLayout::eTransferDstOptimal, sight,
+            commands.clearColorImage(seen.handle(), vk::ImageLayout::eTransferDstOptimal, sample,
                                      vk::ImageSubresourceRange{seen.aspect(), 0, 1, 0, 1});
             gpu::imageBarrier(commands, seen.handle(), seen.aspect(), gpu::Use::transferWrite,
                               gpu::Use::computeRead);
@@ -244,12 +244,12 @@ TEST_F(PlanShaders, SumsOfManySamplesCarry)
     makeObjects(1);
     objects_.mapped<shared::Object>()->flags = shared::kObjectLightable;
     view_.mapped<shared::View>()->anisotropy = 1.0f;
-    const gpu::Buffer needs = list<shared::Need>(1), total = list<shared::NeedTotal>(1);
-    auto& sums = *total.mapped<shared::NeedTotal>();
+    const gpu::Buffer needs = list<shared::ObjectFeedback>(1), total = list<shared::FeedbackTotal>(1);
+    auto& sums = *total.mapped<shared::FeedbackTotal>();
     std::fill_n(sums.elongations, shared::kElongations, ~0u);
     countSamples(640, needs, total);
-    EXPECT_EQ(needs.mapped<shared::Need>()->samples, 640u);
-    EXPECT_EQ(sums.elongations[0], 640u * shared::kNeedScale - 1u);
+    EXPECT_EQ(needs.mapped<shared::ObjectFeedback>()->samples, 640u);
+    EXPECT_EQ(sums.elongations[0], 640u * shared::kFeedbackScale - 1u);
     EXPECT_EQ(sums.carries[0], 1u);
     EXPECT_EQ(sums.carries[1], 0u);
 }

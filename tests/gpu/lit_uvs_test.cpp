@@ -1,5 +1,5 @@
 // Meshes lit at other UVs than their material's: tiled, mirrored, clamped, unwrapped.
-#include "scene/lit_uvs.h"
+#include "charts/lit_uvs.h"
 #include "test_scene.h"
 
 using namespace lumel;
@@ -53,7 +53,7 @@ scene::Mesh tiledPlane(float tiles)
 {
     scene::Mesh mesh = planeMesh(4);
     for (shared::Vertex& v : mesh.vertices)
-        v.glowUv = v.materialUv = tiles * v.uv;
+        v.emissionUv = v.materialUv = tiles * v.uv;
     return mesh;
 }
 
@@ -69,7 +69,7 @@ scene::Mesh mirroredPlane()
         for (size_t c = 0; c < 3; ++c) {
             shared::Vertex v = mesh.vertices[mesh.indices[i + c]];
             v.uv.x = 2.0f * (centre < 0.5f ? v.uv.x : 1.0f - v.uv.x);
-            v.materialUv = v.glowUv = v.uv;
+            v.materialUv = v.emissionUv = v.uv;
             if (centre > 0.5f)
                 v.tangent = {-1, 0, 0, -1};
             mesh.indices[i + c] = uint32_t(vertices.size());

@@ -94,7 +94,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Vertex, tangent);
     EXPECT_OFFSET(Vertex, uv);
     EXPECT_OFFSET(Vertex, materialUv);
-    EXPECT_OFFSET(Vertex, glowUv);
+    EXPECT_OFFSET(Vertex, emissionUv);
     EXPECT_OFFSET(Influence, joint);
     EXPECT_OFFSET(Influence, weight);
     EXPECT_OFFSET(MorphDelta, target);
@@ -151,7 +151,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Object, texelOffsets);
     EXPECT_OFFSET(Object, litSize);
     EXPECT_OFFSET(Object, materialLevelOffset);
-    EXPECT_OFFSET(Object, glowLevelOffset);
+    EXPECT_OFFSET(Object, emissiveLevelOffset);
     EXPECT_OFFSET(Object, flags);
     EXPECT_OFFSET(Object, alphaCutoff);
     EXPECT_OFFSET(Object, changed);
@@ -194,16 +194,16 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Job, count);
     EXPECT_OFFSET(Job, capacity);
     EXPECT_OFFSET(Job, first);
-    EXPECT_OFFSET(Need, level);
-    EXPECT_OFFSET(Need, samples);
-    EXPECT_OFFSET(NeedPush, needs);
-    EXPECT_OFFSET(NeedTotal, elongations);
-    EXPECT_OFFSET(NeedTotal, carries);
-    EXPECT_OFFSET(NeedPush, total);
-    EXPECT_OFFSET(NeedPush, jitter);
-    EXPECT_OFFSET(NeedPush, divisor);
-    EXPECT_OFFSET(NeedPush, object);
-    EXPECT_OFFSET(NeedPush, size);
+    EXPECT_OFFSET(ObjectFeedback, level);
+    EXPECT_OFFSET(ObjectFeedback, samples);
+    EXPECT_OFFSET(FeedbackPush, objects);
+    EXPECT_OFFSET(FeedbackTotal, elongations);
+    EXPECT_OFFSET(FeedbackTotal, carries);
+    EXPECT_OFFSET(FeedbackPush, total);
+    EXPECT_OFFSET(FeedbackPush, jitter);
+    EXPECT_OFFSET(FeedbackPush, divisor);
+    EXPECT_OFFSET(FeedbackPush, object);
+    EXPECT_OFFSET(FeedbackPush, size);
     EXPECT_OFFSET(ShadowPush, clipFromWorld);
     EXPECT_OFFSET(ShadowPush, object);
     EXPECT_OFFSET(PlanPush, plan);
@@ -261,5 +261,5 @@ TEST(SharedStructs, ArrayStridesEqualTheSizes)
     EXPECT_EQ(strides.at("JobTile"), sizeof(shared::JobTile));
     EXPECT_EQ(strides.at("Mark"), sizeof(shared::Mark));
     EXPECT_EQ(strides.at("Job"), sizeof(shared::Job));
-    EXPECT_EQ(strides.at("Need"), sizeof(shared::Need));
+    EXPECT_EQ(strides.at("ObjectFeedback"), sizeof(shared::ObjectFeedback));
 }

@@ -1,6 +1,6 @@
 #include "test_scene.h"
 #include "core/compare.h"
-#include "passes/demands.h"
+#include "renderer/demands.h"
 #include <cstdlib>
 #include <random>
 
@@ -59,7 +59,7 @@ scene::Mesh planeMesh(int cells)
                               .tangent = {1, 0, 0, 1},
                               .uv = uv,
                               .materialUv = uv,
-                              .glowUv = uv};
+                              .emissionUv = uv};
     });
 }
 
@@ -81,7 +81,7 @@ scene::Mesh patchworkMesh(int cells, float gutter)
                                      .tangent = {1, 0, 0, 1},
                                      .uv = uv,
                                      .materialUv = uv,
-                                     .glowUv = uv});
+                                     .emissionUv = uv});
             mesh.bounds.add(mesh.vertices.back().position);
         }
         for (const uint32_t k : {0u, 2u, 3u, 0u, 3u, 1u})
@@ -100,7 +100,7 @@ scene::Mesh sphereMesh(int rows, int columns)
                               .tangent = {std::cos(phi), 0.0f, -std::sin(phi), 1.0f},
                               .uv = uv,
                               .materialUv = uv,
-                              .glowUv = uv};
+                              .emissionUv = uv};
     });
 }
 
@@ -116,8 +116,8 @@ void TestScene::add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& 
     scene.materials.emplace_back();
     scene::BakedMaterial baked;
     baked.reflectance = baker::bake(maps, {});
-    baked.glow.emplace_back(1, 1, 4);
-    baked.glow.front().pixels = {0.0f, 0.0f, 0.0f, 1.0f};
+    baked.emissive.emplace_back(1, 1, 4);
+    baked.emissive.front().pixels = {0.0f, 0.0f, 0.0f, 1.0f};
     baked.opacity.emplace_back(1, 1, 1);
     baked.opacity.front().pixels = {1.0f};
     materials.push_back(std::move(baked));

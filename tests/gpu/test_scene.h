@@ -1,6 +1,6 @@
 // Small scenes made in code, and one device with validation on for all GPU tests.
 #pragma once
-#include "frame/frame.h"
+#include "renderer/frame.h"
 #include "shared/limits.h"
 #include <functional>
 #include <gtest/gtest.h>

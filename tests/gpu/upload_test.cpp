@@ -13,7 +13,7 @@ class UploadTest : public GpuTest {};
 
 gpu::Buffer staged(size_t bytes)
 {
-    gpu::Buffer staging(device(), bytes, gpu::Buffer::Home::host, "staging");
+    gpu::Buffer staging(device(), bytes, gpu::Buffer::MemoryUsage::host, "staging");
     std::memset(staging.mapped<void>(), 0, bytes);
     return staging;
 }
@@ -28,7 +28,7 @@ TEST_F(UploadTest, ComputeReadsWhatWasJustUploaded)
     const auto frameLayout = gpu::makeSetLayout(device(), {Type::eUniformBuffer});
     const auto layout = gpu::makeSetLayout(device(), {Type::eCombinedImageSampler, Type::eStorageImage});
     const auto frameSet = gpu::makeSet(device(), frameLayout), set = gpu::makeSet(device(), layout);
-    const gpu::Buffer view(device(), sizeof(shared::View), gpu::Buffer::Home::device, "view");
+    const gpu::Buffer view(device(), sizeof(shared::View), gpu::Buffer::MemoryUsage::device, "view");
     using Usage = vk::ImageUsageFlagBits;
     const gpu::Image source(
         device(), {.width = 64, .height = 1, .usage = Usage::eSampled | Usage::eTransferDst}, "source");

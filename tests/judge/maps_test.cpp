@@ -49,7 +49,7 @@ TEST_F(Judge, EmissionThatIsNotSquare)
     expectAgreement("emission-flat", subject);
 }
 
-// Under surroundings, since occlusion dims nothing else.
+// Under environment, since occlusion dims nothing else.
 void occlusion(const char* name, int baseSize, int size)
 {
     Subject subject;
@@ -57,7 +57,7 @@ void occlusion(const char* name, int baseSize, int size)
     material["occlusionTexture"] = {{"index", subject.texture(patches(size, std::min(size, 32), 2))},
                                     {"strength", 0.8}};
     subject.place(ball(), material);
-    expectAgreement(name, subject, {.surroundings = 0.6f});
+    expectAgreement(name, subject, {.environment = 0.6f});
 }
 
 TEST_F(Judge, OcclusionLargerThanTheBaseColour)
@@ -82,7 +82,7 @@ TEST_F(Judge, OcclusionOfAFaintSky)
 }
 
 // Emission and occlusion where the first set of UVs has nothing to say, on the second.
-TEST_F(Judge, GlowOnTheSecondUvs)
+TEST_F(Judge, EmissiveOnTheSecondUvs)
 {
     Subject subject;
     json material = subject.material(patches(32, 16, 1));
@@ -90,7 +90,7 @@ TEST_F(Judge, GlowOnTheSecondUvs)
     material["emissiveTexture"] = {{"index", subject.texture(patches(128, 32, 2))}, {"texCoord", 1}};
     material["occlusionTexture"] = {{"index", subject.texture(patches(16, 16, 3))}, {"texCoord", 1}};
     subject.place(ball(), material);
-    expectAgreement("glow-second-uvs", subject, {.surroundings = 0.4f});
+    expectAgreement("emissive-second-uvs", subject, {.environment = 0.4f});
 }
 
 // A ball before a lit sheet, its alpha in a base colour of this size, with a normal map of that one.
@@ -156,7 +156,7 @@ TEST_F(Judge, EveryShadingShowsFineEmission)
     }
 }
 
-// The same where lumels lie elsewhere than the maps do: these repeat, and glow has UVs of its own.
+// The same where lumels lie elsewhere than the maps do: these repeat, and emissive has UVs of its own.
 TEST_F(Judge, EveryShadingShowsFineEmissionOnItsOwnUvs)
 {
     for (const Shading shading : kShadings) {

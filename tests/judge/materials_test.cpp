@@ -43,7 +43,7 @@ TEST_F(Judge, Metals)
     for (const float roughness : {0.25f, 0.6f}) {
         Subject subject;
         aBall(fmt::format("metal-{}", roughness), subject, plain({0.9f, 0.6f, 0.3f}, 1.0f, roughness),
-              {.surroundings = 0.3f});
+              {.environment = 0.3f});
     }
 }
 
@@ -77,7 +77,7 @@ TEST_F(Judge, Specular)
     values["specularTexture"] = info(subject.texture(strength));
     values["specularColorFactor"] = {1.5, 1.0, 2.0};
     values["specularColorTexture"] = info(subject.texture(patches(512, 8, 3)));
-    aBall("specular", subject, material, {.surroundings = 0.8f});
+    aBall("specular", subject, material, {.environment = 0.8f});
 }
 
 TEST_F(Judge, Ior)
@@ -87,7 +87,7 @@ TEST_F(Judge, Ior)
         subject.use("KHR_materials_ior");
         json material = plain({0.1f, 0.3f, 0.2f}, 0.0f, 0.3f);
         material["extensions"]["KHR_materials_ior"]["ior"] = ior;
-        aBall(fmt::format("ior-{}", ior), subject, material, {.surroundings = 0.2f});
+        aBall(fmt::format("ior-{}", ior), subject, material, {.environment = 0.2f});
     }
 }
 

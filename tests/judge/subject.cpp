@@ -1,7 +1,7 @@
 #include "subject.h"
+#include "app/playback.h"
 #include "caster/ray_caster.h"
 #include "core/compare.h"
-#include "frame/playback.h"
 #include "scene/environment.h"
 #include "shared/tonemap.h"
 #include <cstdlib>
@@ -39,9 +39,9 @@ Image displayOf(const judge::Answer& answer)
 Image rendered(const std::filesystem::path& file, const Look& look)
 {
     scene::Scene scene = scene::loadGltf(file);
-    if (look.surroundings) {
+    if (look.environment) {
         Image grey(32, 16, 3);
-        std::fill(grey.pixels.begin(), grey.pixels.end(), *look.surroundings);
+        std::fill(grey.pixels.begin(), grey.pixels.end(), *look.environment);
         scene.environment = std::make_shared<const scene::Environment>(scene::makeEnvironment(grey));
     }
     // Level 0, all that the reference reads, is the same whichever method makes the others.
@@ -60,7 +60,7 @@ Image rendered(const std::filesystem::path& file, const Look& look)
     return renderer.readDisplay();
 }
 
-// Without surroundings the renderer fills shadows with a sky of 4 % of the brightest sun, a third of it from
+// Without environment the renderer fills shadows with a sky of 4 % of the brightest sun, a third of it from
 // below.
 glm::vec3 skyOf(const json& root)
 {
@@ -184,7 +184,7 @@ std::filesystem::path Subject::write()
 Verdict judged(Subject& subject, const Look& look)
 {
     const std::filesystem::path file = subject.write();
-    const glm::vec3 sky = look.surroundings ? glm::vec3(0.0f) : skyOf(subject.gltf.root);
+    const glm::vec3 sky = look.environment ? glm::vec3(0.0f) : skyOf(subject.gltf.root);
     const judge::Answer answer = judge::castRays({.gltf = file,
                                                   .size = look.size,
                                                   .rays = look.samples,
@@ -192,7 +192,7 @@ Verdict judged(Subject& subject, const Look& look)
                                                   .shadows = look.shadows,
                                                   .sky = sky,
                                                   .ground = sky / 3.0f,
-                                                  .surroundings = look.surroundings});
+                                                  .environment = look.environment});
     Verdict verdict{rendered(file, look), displayOf(answer), 0.0};
     verdict.psnr = compareQuickly(verdict.rendered, verdict.judged).psnr;
     return verdict;

@@ -61,8 +61,8 @@ struct Look {
     Shading shading = Shading::reference;
     double seconds = 0.0;
     int samples = 64;
-    bool shadows = false;                // exact ones are hard even on the facets of a ball
-    std::optional<float> surroundings{}; // constant radiance from everywhere
+    bool shadows = false;               // exact ones are hard even on the facets of a ball
+    std::optional<float> environment{}; // constant radiance from everywhere
 };
 
 struct Verdict {

@@ -111,7 +111,7 @@ TEST_F(Judge, VertexColours)
     material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = {{"index", subject.texture(metal)}};
     material["pbrMetallicRoughness"]["metallicFactor"] = 1.0;
     subject.place(colouredBall(false), material);
-    expectAgreement("vertex-colours", subject, {.surroundings = 0.3f});
+    expectAgreement("vertex-colours", subject, {.environment = 0.3f});
 }
 
 TEST_F(Judge, VertexColoursThatBlend)

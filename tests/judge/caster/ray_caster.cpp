@@ -60,7 +60,7 @@ shared::SurfaceReflectance surfaceOf(const Point& point, glm::vec3 toEye)
 }
 
 // Of radiance 1 from everywhere, by the averages of shared/energy.h.
-glm::vec3 reflectSurroundings(const shared::SurfaceReflectance& surface, glm::vec3 toEye)
+glm::vec3 reflectEnvironment(const shared::SurfaceReflectance& surface, glm::vec3 toEye)
 {
     const glm::vec3 p = surface.lobe.inverseCovariance;
     const float variance = 1.0f / std::sqrt(p.x * p.z - p.y * p.y);
@@ -113,19 +113,19 @@ private:
     bool isCaster(const Hit& hit, const Ray& ray) const
     {
         const Material& material = model_.materials[size_t(hit.triangle->material)];
-        const bool glows =
+        const bool emits =
             material.unlit || (material.emissive != glm::vec3(0.0f) && material.emission.empty());
         if (!material.doubleSided && glm::dot(hit.triangle->front, ray.along) <= 0.0)
             return false;
         const Point point = pointOf(model_, hit, ray);
-        return material.mode != Alpha::blend && !glows &&
+        return material.mode != Alpha::blend && !emits &&
                material.passes(material.alphaAt(point.uv, float(point.colour.a)));
     }
 
     glm::vec3 background() const
     {
-        if (question_.surroundings)
-            return glm::vec3(*question_.surroundings);
+        if (question_.environment)
+            return glm::vec3(*question_.environment);
         return 0.5f * (question_.sky + question_.ground); // at the horizon
     }
 
@@ -136,8 +136,8 @@ private:
             return material.parametersAt(point.uv, point.colour).baseColour;
         const glm::vec3 toEye(-ray.along);
         const shared::SurfaceReflectance surface = surfaceOf(point, toEye);
-        const glm::vec3 around = question_.surroundings
-                                     ? *question_.surroundings * reflectSurroundings(surface, toEye)
+        const glm::vec3 around = question_.environment
+                                     ? *question_.environment * reflectEnvironment(surface, toEye)
                                      : shared::reflectAmbient(surface, question_.sky, question_.ground);
         glm::vec3 sum = material.emissionAt(point.uv) + around * material.occlusionAt(point.uv);
         for (const Light& light : model_.lights)

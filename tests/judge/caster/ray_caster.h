@@ -3,8 +3,8 @@
 // and looks textures up at their finest level, in as many rays as are asked for.
 //
 // What it takes over from the renderer, since glTF leaves it open or the README names it as a limit: blended
-// surfaces and those that glow all over cast no shadow, nor do point lights; a single-sided surface casts one
-// where its front meets the light.
+// surfaces and those that emissive all over cast no shadow, nor do point lights; a single-sided surface casts
+// one where its front meets the light.
 #pragma once
 #include <filesystem>
 #include <glm/glm.hpp>
@@ -19,8 +19,8 @@ struct Question {
     int rays = 64;              // a pixel
     double seconds = 0.0;       // of the animations
     bool shadows = true;
-    glm::vec3 sky{0.0f}, ground{0.0f}; // radiance of the hemispheres where there are no surroundings
-    std::optional<float> surroundings; // radiance from everywhere
+    glm::vec3 sky{0.0f}, ground{0.0f}; // radiance of the hemispheres where there is no environment
+    std::optional<float> environment;  // radiance from everywhere
 };
 
 // Linear radiance, row 0 on top.

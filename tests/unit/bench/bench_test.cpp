@@ -79,7 +79,7 @@ TEST_F(BenchFiles, ReadsRunsAndASingleOne)
     EXPECT_EQ(runs[0].frames.size(), 3u);
     EXPECT_EQ(runs[0].mean(&FrameRecord::lit), 100.0);
     EXPECT_EQ(runs[0].meanPass("light"), 2.0);
-    EXPECT_EQ(runs[0].meanPass("need"), 0.0);
+    EXPECT_EQ(runs[0].meanPass("feedback"), 0.0);
 }
 
 TEST_F(BenchFiles, BadFilesGiveOneLineThatNamesThem)

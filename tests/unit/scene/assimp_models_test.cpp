@@ -27,7 +27,7 @@ std::string outcome(const std::filesystem::path& file, bool& loaded)
         const Scene scene = loadGltf(file);
         for (const Material& material : scene.materials) {
             reflectanceMaps(scene, material);
-            glowImage(scene, material);
+            emissiveImage(scene, material);
             opacityImage(scene, material);
         }
         objects = scene.objects.size();

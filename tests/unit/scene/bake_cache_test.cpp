@@ -84,9 +84,9 @@ std::vector<float> numbersOf(const BakedMaterial& baked)
         numbers.insert(numbers.end(), {float(level.width), float(level.height)});
         numbers.insert(numbers.end(), level.texels.begin(), level.texels.end());
     }
-    const Image& glow = baked.glow.front();
-    numbers.insert(numbers.end(), {float(glow.width), float(glow.height)});
-    numbers.insert(numbers.end(), glow.pixels.begin(), glow.pixels.end());
+    const Image& emissive = baked.emissive.front();
+    numbers.insert(numbers.end(), {float(emissive.width), float(emissive.height)});
+    numbers.insert(numbers.end(), emissive.pixels.begin(), emissive.pixels.end());
     return numbers;
 }
 
@@ -151,8 +151,8 @@ TEST_F(BakeKeys, ChangeExactlyWhenTheResultDoes)
     options.method = baker::Method::lean; // fast
     const auto keyAndResult = [&](const Material& material) {
         const baker::Maps maps = reflectanceMaps(scene, material);
-        const Image glow = glowImage(scene, material);
-        return std::pair(cache.key(maps, glow), numbersOf({baker::bake(maps, options), {glow}, {}}));
+        const Image emissive = emissiveImage(scene, material);
+        return std::pair(cache.key(maps, emissive), numbersOf({baker::bake(maps, options), {emissive}, {}}));
     };
     int changes = 0;
     for (const auto& [name, material] : materials()) {

@@ -95,7 +95,7 @@ TEST(Environment, DiffuseIsTheIntegralOfTheSky)
     }
 }
 
-TEST(Environment, ConstantSurroundingsStayConstant)
+TEST(Environment, ConstantEnvironmentStayConstant)
 {
     Image grey(64, 32, 3);
     std::fill(grey.pixels.begin(), grey.pixels.end(), 0.5f);

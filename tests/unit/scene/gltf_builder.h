@@ -2,6 +2,7 @@
 #pragma once
 #include "core/error.h"
 #include "core/image.h"
+#include "gltf/gltf.h"
 #include "scene/scene.h"
 #include <cstring>
 #include <filesystem>

@@ -11,13 +11,13 @@ namespace {
 using nlohmann::json;
 
 // A quad under a skin of two joints: the second hangs one metre above the first, which moves and turns.
-struct BendingGltf : testing::Test {
+struct DeformingGltf : testing::Test {
     TemporaryFolder folder;
     GltfBuilder gltf;
     const std::vector<float> joints{0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0};
     const std::vector<float> weights{0.75f, 0.25f, 0, 0, 1, 0, 0, 0, 0.5f, 0.5f, 0, 0, 1, 0, 0, 0};
 
-    BendingGltf()
+    DeformingGltf()
     {
         gltf.quad();
         gltf.root["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {100, 0, 0}}},
@@ -57,7 +57,7 @@ struct BendingGltf : testing::Test {
         gltf.primitive()["attributes"]["WEIGHTS_0"] = weightAccessor;
     }
     Scene load() { return loadGltf(gltf.writeGlb(folder)); }
-    void expectBendRefused(const std::string& part) { expectRefused(gltf.writeGltf(folder), part); }
+    void expectDeformationRefused(const std::string& part) { expectRefused(gltf.writeGltf(folder), part); }
 
     // By hand: the first joint goes to (2 t, 0, t), twice as wide along x; the second turns by pi t / 2 about
     // z.
@@ -92,7 +92,7 @@ struct BendingGltf : testing::Test {
     }
 };
 
-TEST_F(BendingGltf, JointsTakeVerticesWhereTheFormulaSays)
+TEST_F(DeformingGltf, JointsTakeVerticesWhereTheFormulaSays)
 {
     const Scene scene = load();
     expectOracle(scene, 1e-5);
@@ -100,7 +100,7 @@ TEST_F(BendingGltf, JointsTakeVerticesWhereTheFormulaSays)
     EXPECT_EQ(scene.animation.seconds, 2.0);
 }
 
-TEST_F(BendingGltf, EveryComponentTypeSaysTheSame)
+TEST_F(DeformingGltf, EveryComponentTypeSaysTheSame)
 {
     const auto normalized = [&](size_t accessor) {
         gltf.root["accessors"][accessor]["normalized"] = true;
@@ -113,7 +113,7 @@ TEST_F(BendingGltf, EveryComponentTypeSaysTheSame)
     expectOracle(load(), 1e-4);
 }
 
-TEST_F(BendingGltf, TheSecondSetCounts)
+TEST_F(DeformingGltf, TheSecondSetCounts)
 {
     // The same skin with the influences in another order, half of them in the second set.
     std::vector<float> first(16, 0.0f), second(16, 0.0f), jointsOfSecond(16, 0.0f);
@@ -129,7 +129,7 @@ TEST_F(BendingGltf, TheSecondSetCounts)
     expectOracle(load(), 1e-5);
 }
 
-TEST_F(BendingGltf, WeightsAreMadeToSumToOne)
+TEST_F(DeformingGltf, WeightsAreMadeToSumToOne)
 {
     std::vector<float> scaled = weights;
     for (float& w : scaled)
@@ -146,7 +146,7 @@ TEST_F(BendingGltf, WeightsAreMadeToSumToOne)
     }
 }
 
-TEST_F(BendingGltf, VerticesThatAreSplitOrUnwrappedKeepTheirJoints)
+TEST_F(DeformingGltf, VerticesThatAreSplitOrUnwrappedKeepTheirJoints)
 {
     gltf.primitive()["attributes"].erase("NORMAL"); // flat: vertices of its own for each triangle
     gltf.primitive()["attributes"].erase("TEXCOORD_0");
@@ -155,7 +155,7 @@ TEST_F(BendingGltf, VerticesThatAreSplitOrUnwrappedKeepTheirJoints)
     expectOracle(scene, 1e-5);
 }
 
-TEST_F(BendingGltf, NormalsStandOnTheBentSurface)
+TEST_F(DeformingGltf, NormalsStandOnTheDeformedSurface)
 {
     const Scene scene = load();
     Shapes shapes = shapesAtRest(scene);
@@ -175,7 +175,7 @@ TEST_F(BendingGltf, NormalsStandOnTheBentSurface)
         EXPECT_EQ(glm::length(vertex.normal), 1.0f);
 }
 
-TEST_F(BendingGltf, SkinsOfTheirOwnGiveShapesOfTheirOwn)
+TEST_F(DeformingGltf, SkinsOfTheirOwnGiveShapesOfTheirOwn)
 {
     gltf.root["nodes"].push_back({{"mesh", 0}, {"skin", 0}});
     gltf.root["nodes"].push_back({{"mesh", 0}, {"skin", 1}});
@@ -192,7 +192,7 @@ TEST_F(BendingGltf, SkinsOfTheirOwnGiveShapesOfTheirOwn)
     EXPECT_EQ(scene.skins[1].joints[0].jointFromMesh, glm::mat4(1.0f)) << "no inverse bind matrices";
 }
 
-TEST_F(BendingGltf, InstancesOfASkinnedMeshShareItsShapeEachAtItsOwnPlace)
+TEST_F(DeformingGltf, InstancesOfASkinnedMeshShareItsShapeEachAtItsOwnPlace)
 {
     gltf.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
         {"TRANSLATION", gltf.floats({0, 0, 0, 7, 8, 9}, "VEC3", 3)}};
@@ -202,14 +202,14 @@ TEST_F(BendingGltf, InstancesOfASkinnedMeshShareItsShapeEachAtItsOwnPlace)
     EXPECT_EQ(glm::vec3(scene.objects[1].worldFromObject[3]), glm::vec3(7, 8, 9));
 }
 
-TEST_F(BendingGltf, DamagedSkinsAreRefused)
+TEST_F(DeformingGltf, DamagedSkinsAreRefused)
 {
     const json good = gltf.root;
     const auto damage = [&](const char* pointer, const json& value, const char* part) {
         gltf.root = good;
         gltf.root[json::json_pointer(pointer)] = value;
         SCOPED_TRACE(pointer);
-        expectBendRefused(part);
+        expectDeformationRefused(part);
     };
     damage("/nodes/0/skin", 3, "skin 3 does not exist");
     damage("/skins/0/joints", {1}, "names joint 1 of skin 0, which has 1");
@@ -220,19 +220,19 @@ TEST_F(BendingGltf, DamagedSkinsAreRefused)
     damage("/scenes/0/nodes", {0}, "not in the scene");
     gltf.root = good;
     gltf.primitive()["attributes"].erase("WEIGHTS_0");
-    expectBendRefused("only one of JOINTS_0 and WEIGHTS_0");
+    expectDeformationRefused("only one of JOINTS_0 and WEIGHTS_0");
     gltf.root = good;
     gltf.primitive()["attributes"]["JOINTS_0"] = gltf.floats(joints, "VEC4", 4);
-    expectBendRefused("a type that glTF 2.0 does not allow");
+    expectDeformationRefused("a type that glTF 2.0 does not allow");
     gltf.root = good;
     gltf.primitive()["attributes"]["WEIGHTS_0"] = gltf.floats({1, 0, 0, 0}, "VEC4", 4);
-    expectBendRefused("1 elements for 4 vertices");
+    expectDeformationRefused("1 elements for 4 vertices");
     gltf.primitive()["attributes"]["WEIGHTS_0"] = gltf.floats(std::vector<float>(16, NAN), "VEC4", 4);
-    expectBendRefused("not finite");
+    expectDeformationRefused("not finite");
     gltf.root = good;
     gltf.node(1)["scale"] = {1e30, 1e30, 1e30};
     gltf.root["skins"][0]["inverseBindMatrices"] = gltf.floats(std::vector<float>(32, 1e30f), "MAT4", 16);
-    expectBendRefused("nothing is finite");
+    expectDeformationRefused("nothing is finite");
 }
 
 // --- Morph targets

@@ -1,6 +1,6 @@
 // Which coordinates a loaded mesh is lit at, and where its material's maps are read.
+#include "charts/lit_uvs.h"
 #include "gltf_builder.h"
-#include "scene/lit_uvs.h"
 
 namespace lumel::scene {
 namespace {
@@ -60,7 +60,7 @@ TEST_F(GltfUvs, UniqueOnesAreLitAsTheyAre)
     EXPECT_FALSE(mesh.unwrapped);
     expectUvs(mesh, &Vertex::uv, kUnique);
     expectUvs(mesh, &Vertex::materialUv, kUnique);
-    expectUvs(mesh, &Vertex::glowUv, kUnique);
+    expectUvs(mesh, &Vertex::emissionUv, kUnique);
 }
 
 TEST_F(GltfUvs, TheSecondSetIsLitWhereTheFirstIsNotUnique)
@@ -122,7 +122,7 @@ TEST_F(GltfUvs, MapsAreReadAtTheirOwnSet)
     const Mesh mesh = load().meshes[0];
     expectUvs(mesh, &Vertex::uv, kUnique);
     expectUvs(mesh, &Vertex::materialUv, kTiled);
-    expectUvs(mesh, &Vertex::glowUv, kUnique);
+    expectUvs(mesh, &Vertex::emissionUv, kUnique);
 }
 
 TEST_F(GltfUvs, TransformsMoveTheMapsNotTheLumels)
@@ -155,7 +155,7 @@ TEST_F(GltfUvs, WrapModesAreRead)
     const Scene scene = load();
     EXPECT_EQ(scene.materials[0].uv.wrapU, Wrap::clamp);
     EXPECT_EQ(scene.materials[0].uv.wrapV, Wrap::mirror);
-    EXPECT_EQ(scene.materials[0].glowUv.wrapU, Wrap::clamp); // none of its own
+    EXPECT_EQ(scene.materials[0].emissionUv.wrapU, Wrap::clamp); // none of its own
 }
 
 TEST_F(GltfUvs, OneMeshUnderTwoTransformsIsTwo)

@@ -52,11 +52,11 @@ TEST_F(MaterialMaps, ConstantsGiveOneTexel)
     expectNear(&maps.specularConstant.x, {0.23f, 0.13f, 0.08f}); // 0.04 + (c - 0.04) / 4
     expectNear(&maps.diffuseConstant.x, kLeft * glm::vec3(0.6f, 0.3f, 0.15f));
     EXPECT_FLOAT_EQ(maps.powerConstant, shared::powerFromRoughness(0.5f));
-    EXPECT_FALSE(glowVaries(material));
-    const Image glow = glowImage(scene, material);
-    EXPECT_EQ(glow.width * glow.height, 1);
-    expectNear(glow.pixels.data(), {0, 0, 0});
-    EXPECT_EQ(glow.pixels[3], 1.0f);
+    EXPECT_FALSE(emissiveVaries(material));
+    const Image emissive = emissiveImage(scene, material);
+    EXPECT_EQ(emissive.width * emissive.height, 1);
+    expectNear(emissive.pixels.data(), {0, 0, 0});
+    EXPECT_EQ(emissive.pixels[3], 1.0f);
 }
 
 TEST_F(MaterialMaps, MapsWithTransformsOfTheirOwnAreMoved)
@@ -179,10 +179,10 @@ TEST_F(MaterialMaps, ColoursAreDecodedBeforeTheyAreResampled)
     material.emissive = glm::vec3(1.0f);
     const baker::Maps maps = reflectanceMaps(scene, material);
     ASSERT_EQ(maps.diffuse.width, 6);
-    const Image glow = glowImage(scene, material);
-    ASSERT_EQ(glow.width, 6);
+    const Image emissive = emissiveImage(scene, material);
+    ASSERT_EQ(emissive.width, 6);
     // Centres of six texels in two: the second lies on the black one, the third a third of the way to white.
-    for (const auto& [image, white] : {std::pair(&maps.diffuse, kLeft), {&glow, 1.0f}}) {
+    for (const auto& [image, white] : {std::pair(&maps.diffuse, kLeft), {&emissive, 1.0f}}) {
         expectNear(image->at(1, 0), glm::vec3(0.0f));
         expectNear(image->at(2, 0), glm::vec3(white / 3.0f));
         expectNear(image->at(3, 0), glm::vec3(2.0f * white / 3.0f));
@@ -222,19 +222,19 @@ TEST_F(MaterialMaps, HeightsReplaceNormalsAndPowerTheRoughness)
     EXPECT_FLOAT_EQ(maps.powerConstant, 250.0f);
 }
 
-TEST_F(MaterialMaps, GlowHoldsEmissionAndOcclusion)
+TEST_F(MaterialMaps, EmissiveHoldsEmissionAndOcclusion)
 {
     material.emissive = {2.0f, 0.0f, 4.0f};
     material.emissiveImage = addImage(2, 1, 3, [](int x, int, int) { return 255 * x; });
     material.occlusionImage = addImage(2, 1, 3, [](int x, int, int c) { return c == 0 ? 255 - 153 * x : 9; });
     material.occlusionStrength = 0.5f;
-    EXPECT_TRUE(glowVaries(material));
-    const Image glow = glowImage(scene, material);
-    ASSERT_EQ(glow.channels, 4);
-    expectNear(glow.at(0, 0), {0, 0, 0});
-    expectNear(glow.at(1, 0), {2, 0, 4});
-    EXPECT_NEAR(glow.at(0, 0)[3], 1.0f, 1e-5f);
-    EXPECT_NEAR(glow.at(1, 0)[3], 0.7f, 1e-5f); // 1 + 0.5 (0.4 - 1)
+    EXPECT_TRUE(emissiveVaries(material));
+    const Image emissive = emissiveImage(scene, material);
+    ASSERT_EQ(emissive.channels, 4);
+    expectNear(emissive.at(0, 0), {0, 0, 0});
+    expectNear(emissive.at(1, 0), {2, 0, 4});
+    EXPECT_NEAR(emissive.at(0, 0)[3], 1.0f, 1e-5f);
+    EXPECT_NEAR(emissive.at(1, 0)[3], 0.7f, 1e-5f); // 1 + 0.5 (0.4 - 1)
 }
 
 TEST_F(MaterialMaps, IorAndSpecularSetTheDielectricReflectance)
@@ -330,7 +330,7 @@ TEST_F(MaterialMaps, UnlitReflectsNothing)
     expectNear(&maps.specularConstant.x, glm::vec3(0.0f));
     expectNear(&maps.diffuseConstant.x, glm::vec3(0.0f));
     EXPECT_TRUE(maps.specular.empty() && maps.diffuse.empty() && maps.roughness.empty());
-    EXPECT_NEAR(glowImage(scene, material).pixels[0], 0.5f, 1e-6f);
+    EXPECT_NEAR(emissiveImage(scene, material).pixels[0], 0.5f, 1e-6f);
 }
 
 TEST_F(MaterialMaps, BrokenImagesAreNamed)

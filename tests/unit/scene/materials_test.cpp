@@ -76,9 +76,9 @@ void expectEqual(const BakedMaterial& a, const BakedMaterial& b)
     ASSERT_EQ(a.reflectance.levels.size(), b.reflectance.levels.size());
     for (size_t i = 0; i < a.reflectance.levels.size(); ++i)
         EXPECT_EQ(a.reflectance.levels[i].texels, b.reflectance.levels[i].texels);
-    ASSERT_EQ(a.glow.size(), b.glow.size());
-    for (size_t i = 0; i < a.glow.size(); ++i)
-        EXPECT_EQ(a.glow[i].pixels, b.glow[i].pixels);
+    ASSERT_EQ(a.emissive.size(), b.emissive.size());
+    for (size_t i = 0; i < a.emissive.size(); ++i)
+        EXPECT_EQ(a.emissive[i].pixels, b.emissive[i].pixels);
 }
 
 TEST_F(Materials, ChainsHaveTheSizeOfTheirMaps)
@@ -91,20 +91,20 @@ TEST_F(Materials, ChainsHaveTheSizeOfTheirMaps)
     ASSERT_EQ(baked.size(), 2u);
     ASSERT_EQ(baked[0].reflectance.levels.size(), 4u);
     EXPECT_EQ(baked[0].reflectance.levels[0].width, 8);
-    EXPECT_EQ(baked[0].glow.size(), 4u);
+    EXPECT_EQ(baked[0].emissive.size(), 4u);
     ASSERT_EQ(baked[1].reflectance.levels.size(), 1u) << "constant";
     const float* texel = baked[1].reflectance.levels[0].at(0, 0);
     EXPECT_NEAR(texel[baker::kKdB], 0.75f * 0.96f, 1e-3f);
     EXPECT_NEAR(texel[baker::kKsG], shared::specularStrength(glm::vec3(0.04f), {1.0f, 0.0f, 1.0f}).x, 1e-4f);
     EXPECT_NEAR(texel[baker::kNx], 0.0f, 1e-6f);
-    ASSERT_EQ(baked[1].glow.size(), 1u);
-    EXPECT_EQ(baked[1].glow[0].pixels, (std::vector<float>{1, 2, 3, 1}));
+    ASSERT_EQ(baked[1].emissive.size(), 1u);
+    EXPECT_EQ(baked[1].emissive[0].pixels, (std::vector<float>{1, 2, 3, 1}));
 }
 
 TEST_F(Materials, SecondTimeComesFromTheCacheAndIsTheSame)
 {
     const auto first = bakeMaterials(scene, options);
-    EXPECT_EQ(cached().size(), 4u); // reflectance, glow, manifest, the key of these inputs
+    EXPECT_EQ(cached().size(), 4u); // reflectance, emissive, manifest, the key of these inputs
     age();
     const auto second = bakeMaterials(scene, options);
     EXPECT_FALSE(rewritten());
@@ -179,7 +179,7 @@ TEST_F(Materials, EntriesOfOtherMaterialsAreNotTrusted)
         return cache.recall(cache.inputKey(s.materials[0])).value();
     };
     const std::string ours = keyOf(scene), theirs = keyOf(other);
-    for (const char* ending : {".exr", "-glow.exr", ".json"}) // whole, valid, and of something else
+    for (const char* ending : {".exr", "-emissive.exr", ".json"}) // whole, valid, and of something else
         fs::copy_file(folder / ("lumel/" + theirs + ending), folder / ("lumel/" + ours + ending),
                       fs::copy_options::overwrite_existing);
     expectEqual(good[0], bakeMaterials(scene, options)[0]);

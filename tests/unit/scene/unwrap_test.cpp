@@ -1,10 +1,10 @@
+#include "charts/charts.h"
+#include "charts/lit_uvs.h"
+#include "charts/unwrap.h"
+#include "charts/uv_check.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "gltf_builder.h"
-#include "scene/charts.h"
-#include "scene/lit_uvs.h"
-#include "scene/unwrap.h"
-#include "scene/uv_check.h"
 #include "shapes.h"
 
 namespace lumel::scene {

@@ -1,4 +1,4 @@
-#include "scene/uv_check.h"
+#include "charts/uv_check.h"
 #include <chrono>
 #include <gtest/gtest.h>
 #include <random>

@@ -17,7 +17,7 @@ struct Machine {
     double turning = 0.1; // share of them that motion makes due again each frame
     double wait = 0.0;    // added to the frame, in no pass
     double load = 1.0;    // multiplies pixels and lumels
-    size_t restless = 0;  // objects that are all of the view; shaded per pixel they need no lumels,
+    size_t dynamic = 0;   // objects that are all of the view; shaded per pixel they need no lumels,
     double shading = 1.0; // and multiply the pixels by this
 };
 
@@ -86,9 +86,9 @@ private:
         due_ = first_ ? marked
                       : std::min(marked, due_ + std::max(0.0, marked - marked_) + machine.turning * marked);
         marked_ = marked;
-        if (q.restlessPerPixel)
+        if (q.dynamicPerPixel)
             due_ = 0.0;
-        const double shading = q.restlessPerPixel ? machine.shading : 1.0;
+        const double shading = q.dynamicPerPixel ? machine.shading : 1.0;
         const double lit = std::min(due_, double(q.lumels));
         due_ -= lit;
         // Passes vary one by one, and the frame as a whole.
@@ -104,7 +104,7 @@ private:
         first_ = false;
         cost.lumelsLit = size_t(lit);
         cost.lumelsPending = size_t(due_);
-        cost.restless = machine.restless;
+        cost.dynamic = machine.dynamic;
         return cost;
     }
 
@@ -235,23 +235,23 @@ TEST(Budget, LightThatLumelsCannotFollowIsShadedPerPixel)
     Simulation s(30.0, 0.2);
     s.machine.turning = 1.0; // every lumel is due again each frame: 240 ms
     s.machine.marked = 4e6;
-    s.machine.restless = 5;
+    s.machine.dynamic = 5;
     s.machine.shading = 2.0;
     const History run = s.run(300, [](size_t i, Machine& machine) {
         if (i == 200) {
             machine.turning = 0.05;
-            machine.restless = 0;
+            machine.dynamic = 0;
         }
     });
-    EXPECT_TRUE(run.qualities[100].restlessPerPixel);
+    EXPECT_TRUE(run.qualities[100].dynamicPerPixel);
     EXPECT_EQ(run.pending[190], 0u);
     EXPECT_LT(run.percentile(100, 200, 0.95), 1.1 * 30.0);
-    EXPECT_FALSE(run.qualities.back().restlessPerPixel);
+    EXPECT_FALSE(run.qualities.back().dynamicPerPixel);
     // A view that only turns waits in peace.
     Simulation turning(30.0, 0.2);
     turning.machine.turning = 1.0;
     turning.machine.marked = 4e6;
-    EXPECT_FALSE(turning.run(300).qualities.back().restlessPerPixel);
+    EXPECT_FALSE(turning.run(300).qualities.back().dynamicPerPixel);
 }
 
 TEST(Budget, ShadingPerPixelThatTakesTooLongIsGivenUp)
@@ -259,13 +259,13 @@ TEST(Budget, ShadingPerPixelThatTakesTooLongIsGivenUp)
     Simulation s(30.0, 0.1);
     s.machine.turning = 1.0;
     s.machine.marked = 4e6;
-    s.machine.restless = 5;
+    s.machine.dynamic = 5;
     s.machine.shading = 20.0; // 45 ms at half the scale
     const History run = s.run(500);
     int frames = 0, changes = 0;
     for (size_t i = 1; i < run.qualities.size(); ++i) {
-        frames += run.qualities[i].restlessPerPixel ? 1 : 0;
-        changes += run.qualities[i].restlessPerPixel != run.qualities[i - 1].restlessPerPixel ? 1 : 0;
+        frames += run.qualities[i].dynamicPerPixel ? 1 : 0;
+        changes += run.qualities[i].dynamicPerPixel != run.qualities[i - 1].dynamicPerPixel ? 1 : 0;
     }
     EXPECT_GT(frames, 0);
     EXPECT_LT(frames, 80);

@@ -1,6 +1,6 @@
 // Lumel grids of meshes that are lit at other UVs than their material's.
 #include "../scene/shapes.h"
-#include "scene/unwrap.h"
+#include "charts/unwrap.h"
 #include "tsl/texel_map.h"
 #include <gtest/gtest.h>
 #include <map>

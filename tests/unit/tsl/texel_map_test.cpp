@@ -17,7 +17,7 @@ void addChart(scene::Mesh& mesh, float x0, float y0, float x1, float y1)
                                  .tangent = {1, 0, 0, 1},
                                  .uv = uv,
                                  .materialUv = uv,
-                                 .glowUv = uv});
+                                 .emissionUv = uv});
     for (const uint32_t i : {0u, 3u, 2u, 0u, 2u, 1u})
         mesh.indices.push_back(base + i);
 }
@@ -109,7 +109,7 @@ TEST(TexelMap, DegenerateTrianglesCoverNothing)
 
 TEST(LumelGrid, IsAPowerOfTwoAndTwiceAsFineAsTheMaterial)
 {
-    const glm::ivec2 none(1); // no glow that varies
+    const glm::ivec2 none(1); // no emissive that varies
     EXPECT_EQ(lumelGrid({1, 1}, none), glm::uvec2(kMinGrid));
     EXPECT_EQ(lumelGrid({1000, 600}, none), glm::uvec2(2048, 2048));
     EXPECT_EQ(lumelGrid({2048, 1024}, none), glm::uvec2(4096, 2048));

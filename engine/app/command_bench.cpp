@@ -1,0 +1,77 @@
+#include "bench/compare_runs.h"
+#include "bench/plot.h"
+#include "bench_runner.h"
+#include "core/canvas.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "renderer/demands.h"
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace lumel {
+namespace {
+
+// The stress scene that the build makes beside the program.
+std::filesystem::path defaultScene()
+{
+    std::error_code code;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", code);
+    const auto file = program.parent_path() / "assets" / "stress" / "stress.gltf";
+    if (!std::filesystem::exists(file, code))
+        throw Error(fmt::format("{}: the stress scene is missing; build it (./run build) or name a scene",
+                                file.string()));
+    return std::filesystem::relative(file, code);
+}
+
+bool compare(const BenchArguments& arguments)
+{
+    const auto ratios =
+        bench::compareRuns(bench::readRuns(arguments.compare[0]), bench::readRuns(arguments.compare[1]));
+    fmt::print("{}", bench::tableOf(ratios));
+    const double worst = bench::worstOf(ratios);
+    if (arguments.limit <= 0.0 || worst <= arguments.limit)
+        return true;
+    fmt::print("slower than the limit: {:.3f} > {:g}\n", worst, arguments.limit);
+    return false;
+}
+
+// What would make hours of measuring futile is found out first.
+void checkOutputs(const BenchArguments& arguments)
+{
+    for (const auto& file : {arguments.json, arguments.csv, arguments.plot})
+        if (!file.empty())
+            checkWritable(file);
+    if (arguments.plot.empty())
+        return;
+    if (arguments.plot.extension() != ".png")
+        throw Error(fmt::format("{}: plots are PNG; end the name in .png", arguments.plot.string()));
+    const Canvas fontIsThere(1, 1, glm::vec3(0.0f));
+}
+
+} // namespace
+
+bool runBench(const BenchArguments& given)
+{
+    if (!given.compare.empty())
+        return compare(given);
+    BenchArguments arguments = given;
+    if (arguments.scenes.empty())
+        arguments.scenes.push_back(defaultScene());
+    checkOutputs(arguments);
+    const gpu::Device device(forRendering(arguments.device));
+    BenchRunner runner(device, arguments);
+    runner.measure();
+    const nlohmann::json document = runner.document();
+    const std::vector<bench::Run> runs = bench::runsOf(document);
+    fmt::print("{}, {}\n{}", device.properties().deviceName.data(), device.driver(), bench::tableOf(runs));
+    if (!arguments.json.empty())
+        writeFileAtomically(arguments.json, document.dump(1) + "\n");
+    if (!arguments.csv.empty())
+        writeFileAtomically(arguments.csv, bench::csvOf(runs));
+    if (!arguments.plot.empty())
+        writeImage(arguments.plot, bench::plotRuns(runs));
+    checkValidation(device);
+    return true;
+}
+
+} // namespace lumel

@@ -1,0 +1,115 @@
+// The commands behind main(): options as plain data in, exit through Error or return.
+#pragma once
+#include "baker/bake.h"
+#include "gpu/device.h"
+#include "gpu/present_mode.h"
+#include "playback.h"
+#include "renderer/settings.h"
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace lumel {
+
+struct BakeArguments {
+    std::filesystem::path height, normal, powerMap, roughness, tangentRotation, output;
+    float heightScale = 0.0f;
+    std::string normalGreen = "up";
+    std::string specular = "0.04", diffuse = "0"; // a number, r,g,b or an image
+    float power = 200.0f;
+    std::vector<float> anisotropicPower; // along T and B; empty = isotropic
+    baker::Wrap wrap = baker::Wrap::repeat;
+    baker::Options options;
+    bool asFloat = false;
+    std::vector<std::filesystem::path> reports; // .json, .html
+    std::filesystem::path manifest;             // bakes what it lists, in place of all others
+};
+// Throws Error naming what failed when a manifest's entries do.
+void runBake(const BakeArguments& arguments);
+
+// perScene: automatic for scenes that bring their own lights and would be nearly white or black at
+// exposure 1.
+enum class ExposureChoice { perScene, automatic, fixed };
+
+// What is rendered, from where and how.
+struct SceneArguments {
+    std::filesystem::path scene;
+    Settings settings;
+    ExposureChoice exposure = ExposureChoice::perScene; // else settings.exposure counts
+    std::string camera; // name or index; empty = the first, or one that frames the scene
+    std::optional<glm::vec3> eye, target;
+    float fovDegrees = 40.0f;            // vertical, with eye and target
+    int lights = 0;                      // 0 = the scene's
+    std::string environment;             // none, sky or a file; empty: sky where the scene has no lights
+    std::vector<scene::Light> lightList; // in place of all others
+    std::vector<std::pair<std::string, std::filesystem::path>> materialFiles; // name, baked file
+    baker::Method filter = baker::Method::fit;
+    baker::Model model = baker::Model::ashikhminShirley;
+    bool useCache = true;
+    int threads = 0;
+    gpu::DeviceOptions device;
+};
+
+struct ShotArguments : SceneArguments {
+    std::filesystem::path output, stats;
+    int frames = 1;
+    PathOptions path;
+};
+void runShot(const ShotArguments& arguments);
+
+// A way of shading by its name in `bench`: tsl, forward or reference, then optionally a filter and a number
+// of samples, each after a hyphen: forward-average, forward-16. With samples it is forward shading at the
+// finest level, so many times a pixel.
+struct BenchShading {
+    std::string name = "tsl";
+    Shading shading = Shading::tsl;
+    std::optional<baker::Method> filter; // none: that of --filter
+    int samples = 0;                     // 0: that of --samples
+};
+
+// From `frame` on, `lights` lights of scene::lightRing().
+struct LoadStep {
+    int lights = 0, frame = 0;
+};
+
+// Each of scenes x sizes x lights x objects x shadings is measured.
+struct BenchArguments : SceneArguments {
+    std::vector<std::filesystem::path> scenes; // none: the stress scene beside the program
+    std::vector<BenchShading> shadings{BenchShading()};
+    std::vector<glm::uvec2> sizes{{960, 540}};
+    std::vector<int> lightCounts{0};  // 0 = the scene's
+    std::vector<int> objectCounts{0}; // spread over the scene's; 0 = all
+    std::vector<LoadStep> load;       // rising frames from 0 on; in place of lightCounts
+    PathOptions path;
+    bool defaultPath = true; // none was named: the camera's animation, or an orbit
+    int frames = 120, warmup = 10;
+    int round = 10; // frames that a run renders before the next run's turn
+    int errorEvery = 0;
+    bool flicker = false;
+    std::filesystem::path json, csv, plot;
+    std::vector<std::filesystem::path> compare; // two files of `json`: in place of a measurement
+    double limit = 0.0;                         // 0: none
+};
+// False when a ratio exceeds the limit.
+bool runBench(const BenchArguments& arguments);
+
+struct ViewArguments : SceneArguments {
+    bool listDevices = false; // and nothing else
+    gpu::PresentMode presentMode = gpu::PresentMode::fifo;
+    bool split = false; // the right side: shading and filter of its own
+    Shading rightShading = Shading::reference;
+    baker::Method rightFilter = baker::Method::fit;
+    bool panels = true;
+    std::optional<double> seconds; // of the animation, which then stands still
+};
+// Throws Error without a display, or when the first scene cannot be shown.
+void runView(const ViewArguments& arguments);
+
+struct CompareArguments {
+    std::filesystem::path a, b, output;
+    std::optional<double> psnrMin;
+};
+// False when the PSNR is below psnrMin.
+bool runCompare(const CompareArguments& arguments);
+
+} // namespace lumel

@@ -1,0 +1,118 @@
+// The renderer: one scene, one picture size, frame after frame.
+#pragma once
+#include "renderer/passes/deform_pass.h"
+#include "renderer/passes/display_pass.h"
+#include "renderer/passes/draw_pass.h"
+#include "renderer/passes/feedback_pass.h"
+#include "renderer/passes/light_pass.h"
+#include "renderer/passes/meter_pass.h"
+#include "renderer/passes/plan_pass.h"
+#include "renderer/passes/shadow_pass.h"
+#include "stats.h"
+#include "tsl/budget.h"
+#include "tsl/dynamic_objects.h"
+
+namespace lumel {
+
+class Renderer {
+public:
+    Renderer(const gpu::Device& device, const scene::Scene& scene,
+             const std::vector<scene::BakedMaterial>& materials, const Settings& settings);
+
+    // Renders one frame and waits for it. Throws Interrupted after Ctrl-C.
+    FrameStats render(const scene::Camera& camera);
+    // Reference only: adds settings().samples to those of this very view, or starts anew.
+    FrameStats accumulate(const scene::Camera& camera);
+    // The luminances of the view, for automatic exposure; changes no picture.
+    LuminanceHistogram meter(const scene::Camera& camera);
+    // The last frame changed nothing: a further one of the same view would be the same.
+    bool settled() const { return settled_; }
+    int samples() const { return sumSamples_; } // behind the reference's picture
+
+    const Settings& settings() const { return settings_; }
+    // From the next frame on. What a change does not touch is kept.
+    void setSettings(const Settings& settings);
+    // Forgets all that earlier frames left: the next is as a new renderer's first.
+    void restart();
+
+    // From the next frame on; what they reach is lit again.
+    void setLights(const std::vector<scene::Light>& lights) { scene_.setLights(lights, frameIndex_ + 1); }
+    void setEnvironment(std::shared_ptr<const scene::Environment> environment)
+    {
+        scene_.setEnvironment(device_, std::move(environment), frameIndex_ + 1);
+    }
+    void moveObject(size_t object, const glm::mat4& worldFromObject)
+    {
+        scene_.moveObject(object, worldFromObject, frameIndex_ + 1);
+    }
+    void deform(const scene::Shapes& shapes) { scene_.deform(shapes, frameIndex_ + 1); }
+
+    // Of the last frame, in the scene's order; without names.
+    std::vector<ObjectStats> objectStats() const;
+    std::map<uint32_t, size_t> lumelsByTileSize() const; // texture space only, see PlanPass
+
+    const gpu::Image& display() const { return targets_.display; } // in use transferRead after a frame
+    const GpuScene& scene() const { return scene_; }
+    const tsl::Residency& residency() const { return residency_; } // of the objects, in the scene's order
+    Image readRadiance() const;                                    // RGB, linear, after render()
+    Image readDisplay() const; // RGB, sRGB-encoded display values in [0, 1]
+
+private:
+    void recordFrame(Frame& frame);
+    void recordTextureSpace(Frame& frame);
+    void recordReference(Frame& frame);
+    void assignTextures(Frame& frame);
+    void noteDynamic(const Frame& frame);
+    void keepToBudget();
+    bool isSettled(const Frame& frame) const;
+    void chooseDetail(Frame& frame);
+    void countLumels(const Frame& frame);
+    Frame makeFrame(const scene::Camera& camera, const Settings& settings, Targets& targets, uint32_t index);
+    FrameStats renderFrame(const scene::Camera& camera);
+    glm::mat4 clipFromWorld(const scene::Camera& camera) const;
+    void begin(Frame& frame);
+    void finish(Frame& frame); // submits what is recorded, waits, and adds up the pass times
+    void writeView(Frame& frame, glm::vec2 shiftInPixels);
+
+    const gpu::Device& device_;
+    Settings settings_;
+    Targets targets_;
+    GpuScene scene_;
+    ShadowPass shadow_;
+    LitPool pool_;
+    DeformPass deform_;
+    FeedbackPass feedback_;
+    PlanPass plan_;
+    LightPass light_;
+    DrawPass draw_;
+    DisplayPass display_;
+    std::unique_ptr<MeterPass> meter_; // made when first needed
+    gpu::Timer timer_;
+    vk::raii::CommandBuffers commands_;
+    FrameStats stats_;
+    tsl::Residency residency_;
+    std::optional<tsl::BudgetController> budget_;
+    tsl::DynamicObjects dynamicObjects_;
+    size_t dynamicInView_ = 0;
+    tsl::Quality quality_;      // of this frame
+    bool budgetMissed_ = false; // said so
+    uint32_t frameIndex_ = 0;
+    glm::uvec2 renderSize_{0};
+    bool settled_ = false;
+    bool first_ = true; // nothing is known of any view
+    int sumSamples_ = 0;
+    glm::mat4 sumView_{0.0f};
+    uint32_t sumFrame_ = 0; // in which the sum was begun
+    // What the lumels in the pool stand for, and whether that is all that this view needs.
+    glm::mat4 knownView_{0.0f};
+    tsl::Quality knownQuality_;
+    uint32_t knownChange_ = 0;          // frame up to which changes of lights and objects are in
+    std::optional<tsl::Detail> detail_; // of the frame before, without the frame budget's bias
+    uint32_t offsetsSeen_ = 0;          // of the feedback pass's cycle, in this very view
+    size_t lumelsPending_ = 0;
+    std::vector<tsl::ObjectFeedback> knownFeedback_;
+    std::vector<uint8_t> inView_;
+    FrameStats known_; // marks and pixels
+};
+
+} // namespace lumel

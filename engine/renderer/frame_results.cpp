@@ -1,0 +1,63 @@
+// What came of a frame: its picture, and what it did with each object.
+#include "frame.h"
+
+namespace lumel {
+
+std::vector<ObjectStats> Renderer::objectStats() const
+{
+    std::vector<ObjectStats> objects(inView_.size());
+    for (size_t i = 0; i < objects.size(); ++i) {
+        const bool lit = i < residency_.objects().size() && residency_.objects()[i].texture;
+        objects[i].mode = !inView_[i] ? "culled" : lit ? "tsl" : "forward";
+        if (i >= knownFeedback_.size() || !knownFeedback_[i].visible)
+            continue;
+        objects[i].level = knownFeedback_[i].level;
+        objects[i].pixels = size_t(knownFeedback_[i].samples) * feedback_.divisor() * feedback_.divisor();
+    }
+    return objects;
+}
+
+std::map<uint32_t, size_t> Renderer::lumelsByTileSize() const
+{
+    if (settings_.shading != Shading::tsl)
+        return {};
+    return plan_.lumelsByTileSize(device_);
+}
+
+Image Renderer::readRadiance() const
+{
+    const bool reference = settings_.shading == Shading::reference;
+    const gpu::Image& source = reference ? targets_.sum : targets_.hdr;
+    const auto bytes =
+        gpu::readBack(device_, source, reference ? 16 : 8, gpu::masksOf(gpu::Use::transferRead).layout);
+    const size_t pixels = size_t(settings_.size.x) * settings_.size.y;
+    std::vector<float> rgba(pixels * 4);
+    if (reference)
+        std::memcpy(rgba.data(), bytes.data(), bytes.size());
+    else
+        halfToFloats({reinterpret_cast<const uint16_t*>(bytes.data()), pixels * 4}, rgba.data());
+    Image image(int(settings_.size.x), int(settings_.size.y), 3);
+    const float weight = reference ? 1.0f / float(sumSamples_) : 1.0f;
+    for (size_t i = 0; i < pixels; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            image.pixels[i * 3 + c] = rgba[i * 4 + c] * weight;
+    if (renderSize_ == settings_.size)
+        return image;
+    Image part(int(renderSize_.x), int(renderSize_.y), 3);
+    for (int y = 0; y < part.height; ++y)
+        std::copy_n(image.at(0, y), 3 * part.width, part.at(0, y));
+    return upscaled(part, image.width, image.height);
+}
+
+Image Renderer::readDisplay() const
+{
+    const auto bytes =
+        gpu::readBack(device_, targets_.display, 4, gpu::masksOf(gpu::Use::transferRead).layout);
+    Image image(int(settings_.size.x), int(settings_.size.y), 3);
+    for (size_t i = 0; i < image.pixels.size() / 3; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            image.pixels[i * 3 + c] = float(bytes[i * 4 + c]) / 255.0f;
+    return image;
+}
+
+} // namespace lumel

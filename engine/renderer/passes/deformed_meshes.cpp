@@ -1,0 +1,100 @@
+#include "deformed_meshes.h"
+
+namespace lumel {
+namespace {
+
+template<class Lists>
+std::vector<size_t> firstOfEach(const Lists& lists, size_t& total)
+{
+    std::vector<size_t> first;
+    for (const auto& list : lists) {
+        first.push_back(total);
+        total += list.size();
+    }
+    return first;
+}
+
+} // namespace
+
+DeformedMeshes::DeformedMeshes(const gpu::Device& device, const scene::Scene& scene,
+                               const std::vector<vk::DeviceAddress>& restVertices)
+{
+    if (scene.deformed.empty())
+        return;
+    using MemoryUsage = gpu::Buffer::MemoryUsage;
+    const scene::Shapes rest = scene::shapesAtRest(scene);
+    size_t matrices = 0, weights = 0;
+    firstMatrix_ = firstOfEach(rest.joints, matrices);
+    firstWeight_ = firstOfEach(rest.weights, weights);
+    // At least one element each: none of them is ever a null address.
+    matrices_ =
+        gpu::Buffer(device, std::max<size_t>(matrices, 1) * sizeof(glm::mat4), MemoryUsage::host, "joints");
+    weights_ =
+        gpu::Buffer(device, std::max<size_t>(weights, 1) * sizeof(float), MemoryUsage::host, "weights");
+    sources_.resize(scene.meshes.size());
+    for (size_t i = 0; i < scene.deformed.size(); ++i) {
+        const scene::DeformedMesh& deformed = scene.deformed[i];
+        const scene::Mesh& mesh = scene.meshes[size_t(deformed.mesh)];
+        const scene::Deformation& d = mesh.deformation;
+        Source& source = sources_[size_t(deformed.mesh)];
+        if (deformed.skin >= 0 && !source.influences)
+            source.influences = gpu::uploadBuffer(device, d.influences, mesh.name + " influences");
+        if (!d.deltas.empty() && !source.deltas) {
+            source.firstDeltas = gpu::uploadBuffer(device, d.firstDeltas, mesh.name + " first deltas");
+            source.deltas = gpu::uploadBuffer(device, d.deltas, mesh.name + " deltas");
+        }
+        Item item;
+        item.vertices = gpu::Buffer(device, mesh.vertices.size() * sizeof(shared::Vertex),
+                                    MemoryUsage::device, mesh.name + " deformed");
+        item.skin = deformed.skin;
+        item.extents = d.extents;
+        const auto addressOr = [&](const gpu::Buffer& buffer) {
+            return buffer ? buffer.address() : weights_.address();
+        };
+        const size_t matrix = deformed.skin >= 0 ? firstMatrix_[size_t(deformed.skin)] : 0;
+        item.push = {.rest = restVertices[size_t(deformed.mesh)],
+                     .deformed = item.vertices.address(),
+                     .joints = addressOr(source.influences),
+                     .firstDeltas = addressOr(source.firstDeltas),
+                     .deltas = addressOr(source.deltas),
+                     .matrices = matrices_.address() + matrix * sizeof(glm::mat4),
+                     .weights = weights_.address() + firstWeight_[i] * sizeof(float),
+                     .vertexCount = uint32_t(mesh.vertices.size()),
+                     .influences = deformed.skin >= 0 ? d.jointsPerVertex : 0u,
+                     .morphs = d.deltas.empty() ? 0u : 1u};
+        items_.push_back(std::move(item));
+    }
+    set(rest);
+}
+
+std::vector<uint8_t> DeformedMeshes::set(const scene::Shapes& shapes)
+{
+    joints_.resize(firstMatrix_.size());
+    std::vector<uint8_t> deformed(joints_.size(), 0);
+    for (size_t i = 0; i < joints_.size(); ++i) {
+        if (joints_[i] == shapes.joints[i])
+            continue; // animations pause
+        deformed[i] = 1;
+        joints_[i] = shapes.joints[i];
+        std::copy(joints_[i].begin(), joints_[i].end(), matrices_.mapped<glm::mat4>() + firstMatrix_[i]);
+    }
+    static const scene::Matrices kNone;
+    std::vector<uint8_t> changed(items_.size(), 0);
+    for (size_t i = 0; i < items_.size(); ++i) {
+        Item& item = items_[i];
+        const bool isDeformed = item.skin >= 0 && deformed[size_t(item.skin)];
+        if (!isDeformed && item.weights == shapes.weights[i] && !item.bounds.empty())
+            continue;
+        const scene::Matrices& joints = item.skin >= 0 ? joints_[size_t(item.skin)] : kNone;
+        changed[i] = 1;
+        item.stale = true;
+        item.weights = shapes.weights[i];
+        item.bounds = scene::deformedBounds(item.extents, joints, item.weights);
+        item.mirrored =
+            !joints.empty() && glm::determinant(glm::mat3(joints[item.extents.joints.front().first])) < 0.0f;
+        std::copy(item.weights.begin(), item.weights.end(), weights_.mapped<float>() + firstWeight_[i]);
+    }
+    return changed;
+}
+
+} // namespace lumel

@@ -1,0 +1,132 @@
+#include "display_pass.h"
+
+namespace lumel {
+namespace {
+
+// A row of groups for each row of pixels: software Vulkan divides integers one by one.
+void dispatchOver(vk::CommandBuffer commands, glm::uvec2 pixels)
+{
+    commands.dispatch(groupsOf64(pixels.x), pixels.y, 1);
+}
+
+} // namespace
+
+DisplayPass::DisplayPass(const gpu::Device& device, const GpuScene& scene, const Targets& targets)
+    : sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
+                                 .addressModeU = vk::SamplerAddressMode::eClampToEdge,
+                                 .addressModeV = vk::SamplerAddressMode::eClampToEdge}),
+      accumulateLayout_(
+          gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
+      displayLayout_(gpu::makeSetLayout(
+          device, {vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eStorageImage})),
+      accumulate_(gpu::makeComputePipeline(device, "accumulate.comp",
+                                           {*scene.frameLayout(), *accumulateLayout_},
+                                           sizeof(shared::DisplayPush))),
+      display_(gpu::makeComputePipeline(device, "display.comp", {*scene.frameLayout(), *displayLayout_},
+                                        sizeof(shared::DisplayPush))),
+      upscale_(gpu::makeComputePipeline(device, "upscale.comp", {*scene.frameLayout(), *displayLayout_},
+                                        sizeof(shared::ScalePush)))
+{
+    connect(device, targets);
+}
+
+void DisplayPass::connect(const gpu::Device& device, const Targets& targets)
+{
+    const auto between = [&](const gpu::Image& from, const gpu::Image& to) {
+        auto set = gpu::makeSet(device, displayLayout_);
+        gpu::writeSampled(device, *set, 0, *sampler_, from.view());
+        gpu::writeStorage(device, *set, 1, to.view());
+        return set;
+    };
+    hdrSet_ = between(targets.hdr, targets.display);
+    if (targets.small) {
+        smallSet_ = between(targets.hdr, targets.small);
+        upscaleXSet_ = between(targets.small, targets.wide);
+        upscaleYSet_ = between(targets.wide, targets.display);
+    }
+    if (!targets.sum)
+        return;
+    sumSet_ = between(targets.sum, targets.display);
+    accumulateSet_ = gpu::makeSet(device, accumulateLayout_);
+    gpu::writeStorage(device, *accumulateSet_, 0, targets.hdr.view());
+    gpu::writeStorage(device, *accumulateSet_, 1, targets.sum.view());
+}
+
+void DisplayPass::clearSum(Frame& frame)
+{
+    const gpu::Image& sum = frame.targets.sum;
+    gpu::imageBarrier(frame.commands, sum.handle(), sum.aspect(), gpu::Use::undefined,
+                      gpu::Use::transferWrite);
+    frame.commands.clearColorImage(sum.handle(), vk::ImageLayout::eTransferDstOptimal, vk::ClearColorValue{},
+                                   vk::ImageSubresourceRange{sum.aspect(), 0, 1, 0, 1});
+    gpu::imageBarrier(frame.commands, sum.handle(), sum.aspect(), gpu::Use::transferWrite,
+                      gpu::Use::computeReadWrite);
+}
+
+void DisplayPass::resumeSum(Frame& frame)
+{
+    const gpu::Image& sum = frame.targets.sum;
+    gpu::imageBarrier(frame.commands, sum.handle(), sum.aspect(), gpu::Use::transferRead,
+                      gpu::Use::computeReadWrite);
+}
+
+void DisplayPass::accumulate(Frame& frame)
+{
+    const gpu::Image& hdr = frame.targets.hdr;
+    gpu::imageBarrier(frame.commands, hdr.handle(), hdr.aspect(), gpu::Use::colorWrite,
+                      gpu::Use::computeRead);
+    gpu::memoryBarrier(frame.commands, gpu::Use::computeReadWrite, gpu::Use::computeReadWrite);
+    bindSets(frame, vk::PipelineBindPoint::eCompute, accumulate_, {*accumulateSet_});
+    pushConstants(frame.commands, accumulate_,
+                  shared::DisplayPush{.weight = 1.0f, .size = frame.renderSize, .toneMap = 0u});
+    dispatchOver(frame.commands, frame.settings.size);
+}
+
+void DisplayPass::recordUpscale(Frame& frame)
+{
+    const glm::uvec2 size = frame.settings.size, from = frame.renderSize, between{size.x, from.y};
+    const auto scale = [&](const gpu::Image& source, vk::DescriptorSet set, const shared::ScalePush& push) {
+        gpu::imageBarrier(frame.commands, source.handle(), source.aspect(), gpu::Use::computeWrite,
+                          gpu::Use::computeSample);
+        bindSets(frame, vk::PipelineBindPoint::eCompute, upscale_, {set});
+        pushConstants(frame.commands, upscale_, push);
+        dispatchOver(frame.commands, push.to);
+    };
+    scale(frame.targets.small, *upscaleXSet_, {.from = from, .to = between});
+    scale(frame.targets.wide, *upscaleYSet_, {.from = between, .to = size});
+}
+
+void DisplayPass::record(Frame& frame, int sampleCount)
+{
+    const PassScope scope(frame, "display");
+    const vk::CommandBuffer commands = frame.commands;
+    const gpu::Image& source = sampleCount ? frame.targets.sum : frame.targets.hdr;
+    const gpu::Image& display = frame.targets.display;
+    gpu::imageBarrier(commands, source.handle(), source.aspect(),
+                      sampleCount ? gpu::Use::computeReadWrite : gpu::Use::colorWrite,
+                      gpu::Use::computeSample);
+    gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::undefined,
+                      gpu::Use::computeWrite);
+    const bool small = frame.renderSize != frame.settings.size;
+    if (small)
+        for (const gpu::Image* image : {&frame.targets.small, &frame.targets.wide})
+            gpu::imageBarrier(commands, image->handle(), image->aspect(), gpu::Use::undefined,
+                              gpu::Use::computeWrite);
+    bindSets(frame, vk::PipelineBindPoint::eCompute, display_,
+             {small         ? *smallSet_
+              : sampleCount ? *sumSet_
+                            : *hdrSet_});
+    pushConstants(commands, display_,
+                  shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)),
+                                      .size = frame.renderSize,
+                                      .toneMap = uint32_t(frame.settings.toneMap)});
+    dispatchOver(commands, frame.renderSize);
+    if (small)
+        recordUpscale(frame);
+    gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,
+                      gpu::Use::transferRead);
+    gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::computeWrite,
+                      gpu::Use::transferRead);
+}
+
+} // namespace lumel

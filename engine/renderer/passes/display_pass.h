@@ -1,0 +1,27 @@
+// Display: radiance to display colour, once, upscaled where the frame is smaller; and the sum of shifted
+// frames behind the reference.
+#pragma once
+#include "frame_context.h"
+
+namespace lumel {
+
+class DisplayPass {
+public:
+    DisplayPass(const gpu::Device& device, const GpuScene& scene, const Targets& targets);
+    void connect(const gpu::Device& device, const Targets& targets); // to targets of another size
+    void clearSum(Frame& frame);
+    void resumeSum(Frame& frame);               // after record(): more is to be added
+    void accumulate(Frame& frame);              // adds hdr to the sum
+    void record(Frame& frame, int sampleCount); // 0: shows hdr's part of renderSize, else the sum's mean
+
+private:
+    void recordUpscale(Frame& frame);
+
+    vk::raii::Sampler sampler_;
+    gpu::SetLayout accumulateLayout_, displayLayout_;
+    vk::raii::DescriptorSet accumulateSet_ = nullptr, hdrSet_ = nullptr, sumSet_ = nullptr;
+    vk::raii::DescriptorSet smallSet_ = nullptr, upscaleXSet_ = nullptr, upscaleYSet_ = nullptr;
+    gpu::Pipeline accumulate_, display_, upscale_;
+};
+
+} // namespace lumel

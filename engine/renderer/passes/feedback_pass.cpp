@@ -1,0 +1,188 @@
+#include "feedback_pass.h"
+#include "vertex_input.h"
+
+namespace lumel {
+namespace {
+
+gpu::Image makeTarget(const gpu::Device& device, glm::uvec2 size, vk::Format format,
+                      vk::ImageUsageFlags usage)
+{
+    return {device,
+            {.format = format,
+             .width = size.x,
+             .height = size.y,
+             .usage = usage,
+             .remedy = "use a smaller --size"},
+            "feedback"};
+}
+
+// Offset of sample centres in full-size pixels from the quarter pixel's centre: the 16 pixels of a 4 x 4
+// block in an order that spreads (bit-reversed Morton).
+glm::vec2 jitterInPixels(uint64_t frame)
+{
+    constexpr int kOrder[16] = {0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
+    const int cell = kOrder[frame % 16];
+    return {float(cell % 4) - 1.5f, float(cell / 4) - 1.5f};
+}
+
+} // namespace
+
+FeedbackPass::FeedbackPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& scene)
+    : layout_(gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage})),
+      set_(gpu::makeSet(device, layout_)),
+      raster_(gpu::makeGraphicsPipeline(
+          device, {.vertex = "feedback.vert",
+                   .fragment = "feedback.frag",
+                   .bindings = kMeshBindings,
+                   .attributes = meshAttributes(
+                       {shared::kAttributePosition, shared::kAttributeUv, shared::kAttributeWorld}),
+                   .sets = {*scene.frameLayout()},
+                   .pushBytes = sizeof(shared::FeedbackPush),
+                   .color = vk::Format::eR32G32B32A32Uint})),
+      count_(gpu::makeComputePipeline(device, "feedback.comp", {*scene.frameLayout(), *layout_},
+                                      sizeof(shared::FeedbackPush))),
+      objects_(device, scene.objects().size() * sizeof(shared::ObjectFeedback),
+               gpu::Buffer::MemoryUsage::host, "feedback"),
+      total_(device, sizeof(shared::FeedbackTotal), gpu::Buffer::MemoryUsage::host, "feedback total")
+{
+    resize(device, size);
+}
+
+void FeedbackPass::resize(const gpu::Device& device, glm::uvec2 size)
+{
+    using Usage = vk::ImageUsageFlagBits;
+    seen_ =
+        makeTarget(device, size, vk::Format::eR32G32B32A32Uint, Usage::eColorAttachment | Usage::eStorage);
+    depth_ = makeTarget(device, size, vk::Format::eD32Sfloat, Usage::eDepthStencilAttachment);
+    gpu::writeStorage(device, *set_, 0, seen_.view());
+}
+
+void FeedbackPass::record(Frame& frame, bool everyPixel)
+{
+    divisor_ = everyPixel ? 1 : kDivisor;
+    samples_ = (frame.renderSize + divisor_ - 1u) / divisor_;
+    const PassScope scope(frame, "feedback");
+    const vk::CommandBuffer commands = frame.commands;
+    const vk::Extent2D extent{samples_.x, samples_.y}; // a part of the images
+    gpu::imageBarrier(commands, seen_.handle(), seen_.aspect(), gpu::Use::undefined, gpu::Use::colorWrite);
+    gpu::imageBarrier(commands, depth_.handle(), depth_.aspect(), gpu::Use::undefined, gpu::Use::depthWrite);
+    const vk::RenderingAttachmentInfo color{.imageView = seen_.view(),
+                                            .imageLayout = vk::ImageLayout::eColorAttachmentOptimal,
+                                            .loadOp = vk::AttachmentLoadOp::eClear,
+                                            .storeOp = vk::AttachmentStoreOp::eStore};
+    const vk::RenderingAttachmentInfo depth{.imageView = depth_.view(),
+                                            .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
+                                            .loadOp = vk::AttachmentLoadOp::eClear,
+                                            .storeOp = vk::AttachmentStoreOp::eDontCare,
+                                            .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
+    commands.beginRendering({.renderArea = {{0, 0}, extent},
+                             .layerCount = 1,
+                             .colorAttachmentCount = 1,
+                             .pColorAttachments = &color,
+                             .pDepthAttachment = &depth});
+    setViewport(commands, extent);
+    drawObjects(frame, everyPixel);
+    commands.endRendering();
+
+    gpu::imageBarrier(commands, seen_.handle(), seen_.aspect(), gpu::Use::colorWrite, gpu::Use::computeRead);
+    count(frame);
+}
+
+const gpu::Pipeline& FeedbackPass::maskPipeline(const Frame& frame, const GpuObject& object)
+{
+    const uint32_t features = object.coloured ? shared::kFeatureColoured : 0u;
+    gpu::Pipeline& mask = masks_[features];
+    if (!*mask.handle)
+        mask = gpu::makeGraphicsPipeline(
+            frame.device,
+            {.vertex = "feedback_mask.vert",
+             .fragment = "feedback_mask.frag",
+             .bindings = kMeshBindings,
+             .attributes = meshAttributes({shared::kAttributePosition, shared::kAttributeUv,
+                                           shared::kAttributeMaterialUv, shared::kAttributeWorld}),
+             .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
+             .pushBytes = sizeof(shared::FeedbackPush),
+             .color = vk::Format::eR32G32B32A32Uint,
+             .features = features});
+    return mask;
+}
+
+// What hides others and what is seen: all but blended objects, which let everything through.
+void FeedbackPass::drawObjects(Frame& frame, bool everyPixel)
+{
+    // Quarter pixels cover whole blocks of 4 x 4, also where the picture's size is not a multiple of 4: the
+    // viewport reaches past its edge by the same share, which is at most three pixels.
+    const glm::vec2 pixels = everyPixel ? glm::vec2(0.0f) : jitterInPixels(frame.index);
+    shared::FeedbackPush push{.objects = objects_.address(),
+                              .total = total_.address(),
+                              .jitter = 2.0f * pixels / glm::vec2(frame.renderSize),
+                              .divisor = float(divisor_),
+                              .object = 0,
+                              .size = samples_};
+    const auto& objects = frame.scene.objects();
+    std::vector<size_t> masked; // last: their hidden samples cost a depth test, no lookup
+    const auto draw = [&](const gpu::Pipeline& pipeline, size_t object) {
+        push.object = uint32_t(object);
+        pushConstants(frame.commands, pipeline, push);
+        frame.scene.drawTriangles(frame.commands, object);
+    };
+    bindSets(frame, vk::PipelineBindPoint::eGraphics, raster_);
+    for (size_t i = 0; i < frame.inView.size(); ++i) {
+        if (!frame.inView[i] || objects[i].blend)
+            continue;
+        if (objects[i].data.flags & shared::kObjectMask)
+            masked.push_back(i);
+        else
+            draw(raster_, i);
+    }
+    for (const size_t i : masked) {
+        const gpu::Pipeline& pipeline = maskPipeline(frame, objects[i]);
+        bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline, {*objects[i].material->set});
+        draw(pipeline, i);
+    }
+}
+
+void FeedbackPass::recount(Frame& frame)
+{
+    const PassScope scope(frame, "feedback");
+    count(frame);
+}
+
+void FeedbackPass::count(Frame& frame)
+{
+    auto* needs = objects_.mapped<shared::ObjectFeedback>();
+    std::fill_n(needs, frame.scene.objects().size(), shared::ObjectFeedback{shared::kNotSeen, 0});
+    *total_.mapped<shared::FeedbackTotal>() = {};
+    bindSets(frame, vk::PipelineBindPoint::eCompute, count_, {*set_});
+    pushConstants(frame.commands, count_,
+                  shared::FeedbackPush{.objects = objects_.address(),
+                                       .total = total_.address(),
+                                       .jitter = {},
+                                       .divisor = float(divisor_),
+                                       .object = 0,
+                                       .size = samples_});
+    dispatchList(frame.commands, samples_.x * samples_.y);
+    gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::hostRead);
+}
+
+void FeedbackPass::read(Frame& frame) const
+{
+    const auto* needs = objects_.mapped<shared::ObjectFeedback>();
+    const auto& objects = frame.scene.objects();
+    frame.feedback.resize(objects.size());
+    for (size_t i = 0; i < objects.size(); ++i)
+        frame.feedback[i] = {.inView = frame.inView[i] != 0,
+                             .visible = needs[i].level != shared::kNotSeen,
+                             .lightable = objects[i].texelMap != nullptr,
+                             .level = float(needs[i].level) / float(shared::kFeedbackScale) +
+                                      shared::kFeedbackFinest,
+                             .samples = needs[i].samples,
+                             .coarsest = objects[i].texelMap ? float(objects[i].texelMap->coarsest) : 0.0f,
+                             .litSize = objects[i].data.litSize};
+    const auto& total = *total_.mapped<shared::FeedbackTotal>();
+    for (size_t i = 0; i < frame.elongations.size(); ++i)
+        frame.elongations[i] = float(double(uint64_t(total.carries[i]) << 32 | total.elongations[i]) /
+                                     double(shared::kFeedbackScale));
+}
+
+} // namespace lumel

@@ -1,0 +1,43 @@
+// Need: which level of each object's lit texture does this view need? Quarter resolution, one offset of a
+// 4 x 4 sub-pixel cycle a frame.
+#pragma once
+#include "frame_context.h"
+#include <map>
+
+namespace lumel {
+
+class FeedbackPass {
+public:
+    static constexpr uint32_t kDivisor = 4;
+    // Frames after which the sub-pixel offsets have met every pixel.
+    static constexpr uint32_t kCycle = kDivisor * kDivisor;
+    FeedbackPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& scene);
+    void resize(const gpu::Device& device, glm::uvec2 size);
+    // everyPixel: full resolution, for the first frame of a view that nothing is known of.
+    void record(Frame& frame, bool everyPixel);
+    // The same samples once more, at the frame's anisotropy of now.
+    void recount(Frame& frame);
+    // Fills frame.feedback and frame.elongations after the recorded commands have finished.
+    void read(Frame& frame) const;
+
+    // The samples: set 0, binding 0 of `layout`.
+    const gpu::SetLayout& layout() const { return layout_; }
+    vk::DescriptorSet set() const { return *set_; }
+    glm::uvec2 samples() const { return samples_; }
+    uint32_t divisor() const { return divisor_; } // full-size pixels a sample, per axis
+
+private:
+    void count(Frame& frame);
+    const gpu::Pipeline& maskPipeline(const Frame& frame, const GpuObject& object);
+    void drawObjects(Frame& frame, bool everyPixel);
+    glm::uvec2 samples_{0};
+    uint32_t divisor_ = kDivisor;
+    gpu::Image seen_, depth_;
+    gpu::SetLayout layout_;
+    vk::raii::DescriptorSet set_;
+    gpu::Pipeline raster_, count_;
+    std::map<uint32_t, gpu::Pipeline> masks_; // by kFeature..., made when first needed
+    gpu::Buffer objects_, total_;
+};
+
+} // namespace lumel

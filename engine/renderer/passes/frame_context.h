@@ -1,0 +1,89 @@
+// What every pass of one frame works on.
+#pragma once
+#include "gpu/barrier.h"
+#include "gpu/timer.h"
+#include "gpu_scene.h"
+#include "renderer/settings.h"
+#include "tsl/detail.h"
+
+namespace lumel {
+
+// Render targets of one picture size.
+struct Targets {
+    Targets(const gpu::Device& device, const Settings& settings);
+    // Throws Error when the device has no such images.
+    static void check(const gpu::Device& device, const Settings& settings);
+    gpu::Image hdr;          // linear radiance and coverage, RGBA16F, one sample a pixel
+    gpu::Image depth;        // D32, as many samples as the draw pass
+    gpu::Image multisampled; // RGBA16F, only with msaa > 1
+    gpu::Image sum;          // RGBA32F, reference only
+    // Of a frame that is drawn smaller than it is shown, RGBA16F, sRGB encoded: as drawn, and as wide as
+    // shown.
+    gpu::Image small, wide;
+    gpu::Image display; // RGBA8, sRGB encoded
+};
+
+struct Frame {
+    const gpu::Device& device;
+    vk::CommandBuffer commands;
+    gpu::Timer& timer;
+    GpuScene& scene;
+    Targets& targets;
+    const Settings& settings;
+    glm::uvec2 renderSize{0}; // pixels: a part of the targets, upscaled when it is not all
+    glm::mat4 clipFromWorld{1.0f};
+    glm::vec3 eye{0.0f};
+    uint32_t index = 0;                        // from 1
+    std::vector<uint8_t> inView;               // per object: its bounds meet the view
+    std::vector<tsl::ObjectFeedback> feedback; // per object, from the feedback pass
+    tsl::Elongations elongations{};            // of the view, from the feedback pass
+    tsl::Detail detail;                        // how finely lumels are lit, the frame budget's bias among it
+    uint32_t lumelBudget = ~0u;                // lumels to light at most
+    tsl::Residency& residency;                 // per object, its lit texture
+};
+
+// One string names a pass for debug labels and timings.
+class PassScope {
+public:
+    PassScope(Frame& frame, const char* name) : frame_(frame)
+    {
+        frame_.device.beginLabel(frame_.commands, name);
+        frame_.timer.begin(frame_.commands, name);
+    }
+    ~PassScope()
+    {
+        frame_.timer.end(frame_.commands);
+        frame_.device.endLabel(frame_.commands);
+    }
+    PassScope(const PassScope&) = delete;
+    PassScope& operator=(const PassScope&) = delete;
+
+private:
+    Frame& frame_;
+};
+
+void setViewport(vk::CommandBuffer commands, vk::Extent2D extent);
+
+template<class Push>
+void pushConstants(vk::CommandBuffer commands, const gpu::Pipeline& pipeline, const Push& push)
+{
+    commands.pushConstants<Push>(*pipeline.layout, vk::ShaderStageFlagBits::eAll, 0, push);
+}
+
+// Set 0 of every pipeline is the frame's view and lights; `sets` follow.
+void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
+              std::initializer_list<vk::DescriptorSet> sets = {});
+
+// Over a list, for shaders that include lib/rows.glsl.
+inline void dispatchList(vk::CommandBuffer commands, uint32_t invocations)
+{
+    const glm::uvec2 groups = shared::groupRows(invocations);
+    commands.dispatch(groups.x, groups.y, 1);
+}
+
+inline uint32_t groupsOf64(uint32_t invocations)
+{
+    return (invocations + 63) / 64;
+}
+
+} // namespace lumel

@@ -1,0 +1,122 @@
+#include "lit_pool.h"
+
+namespace lumel {
+
+LitPool::LitPool(const gpu::Device& device, size_t capBytes)
+    : device_(device), pool_(capBytes),
+      layout_(gpu::makeSetLayout(
+          device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eCombinedImageSampler})),
+      sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
+                                 .minFilter = vk::Filter::eLinear,
+                                 .addressModeU = vk::SamplerAddressMode::eClampToEdge,
+                                 .addressModeV = vk::SamplerAddressMode::eClampToEdge})
+{
+}
+
+LitBlock LitPool::make(glm::uvec2 size) const
+{
+    LitBlock block;
+    block.layout = tsl::TextureLayout(size);
+    using Usage = vk::ImageUsageFlagBits;
+    block.image =
+        gpu::Image(device_,
+                   {.width = block.layout.extent.x,
+                    .height = block.layout.extent.y,
+                    .layers = block.layout.layers,
+                    .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc | Usage::eTransferDst,
+                    .arrayView = true,
+                    .remedy = "use a smaller --pool-mb"},
+                   "lit block");
+    block.states = gpu::Buffer(device_, block.stateOffset(block.layout.layers),
+                               gpu::Buffer::MemoryUsage::device, "tile states");
+    block.set = gpu::makeSet(device_, layout_);
+    gpu::writeStorage(device_, *block.set, 0, block.image.view());
+    gpu::writeSampled(device_, *block.set, 1, *sampler_, block.image.view(), vk::ImageLayout::eGeneral);
+    return block;
+}
+
+void LitPool::update()
+{
+    const auto& wanted = pool_.blocks();
+    blocks_.resize(wanted.size());
+    prepared_.resize(wanted.size());
+    // Free first, so that memory never passes the cap.
+    const auto fits = [&](size_t i) { return blocks_[i].layout.size == wanted[i].size; };
+    for (size_t i = 0; i < wanted.size(); ++i)
+        if (blocks_[i] && !fits(i)) {
+            blocks_[i] = {};
+            prepared_[i] = 0;
+        }
+    for (size_t i = 0; i < wanted.size(); ++i)
+        if (!wanted[i].textures.empty() && !blocks_[i])
+            blocks_[i] = make(wanted[i].size);
+}
+
+void LitPool::clear(size_t capBytes)
+{
+    pool_ = tsl::TexturePool(capBytes);
+    blocks_.clear();
+    prepared_.clear();
+}
+
+void LitPool::recordTakeover(vk::CommandBuffer commands, const tsl::ObjectResidency& resident) const
+{
+    const LitBlock& to = block(resident.texture);
+    const LitBlock& from = block(resident.previous);
+    const auto fromLevel = int(pool_.texture(resident.previous).litLevel);
+    for (uint32_t mip = 0; mip < to.layout.mips; ++mip) {
+        const int source = int(resident.litLevel + mip) - fromLevel;
+        if (source < 0 || source >= int(from.layout.mips))
+            continue;
+        const glm::uvec2 size = glm::max(to.layout.size >> mip, glm::uvec2(1));
+        const auto corner = [](glm::uvec2 p) { return vk::Offset3D{int(p.x), int(p.y), 0}; };
+        commands.copyImage(
+            from.image.handle(), vk::ImageLayout::eGeneral, to.image.handle(), vk::ImageLayout::eGeneral,
+            vk::ImageCopy{.srcSubresource = {vk::ImageAspectFlagBits::eColor, 0, resident.previous.layer, 1},
+                          .srcOffset = corner(shared::mipOrigin(from.layout.size, uint32_t(source))),
+                          .dstSubresource = {vk::ImageAspectFlagBits::eColor, 0, resident.texture.layer, 1},
+                          .dstOffset = corner(shared::mipOrigin(to.layout.size, mip)),
+                          .extent = {size.x, size.y, 1}});
+        const auto place = [](const LitBlock& b, uint32_t layer, uint32_t m) {
+            return b.stateOffset(layer) + b.layout.tileOffsets[m] * sizeof(shared::TileState);
+        };
+        const uint32_t last = mip + 1 < to.layout.mips ? to.layout.tileOffsets[mip + 1] : to.layout.tiles;
+        commands.copyBuffer(from.states.handle(), to.states.handle(),
+                            vk::BufferCopy{place(from, resident.previous.layer, uint32_t(source)),
+                                           place(to, resident.texture.layer, mip),
+                                           (last - to.layout.tileOffsets[mip]) * sizeof(shared::TileState)});
+    }
+}
+
+void LitPool::recordHandovers(Frame& frame)
+{
+    const vk::CommandBuffer commands = frame.commands;
+    for (size_t i = 0; i < blocks_.size(); ++i) {
+        const gpu::Image& image = blocks_[i].image;
+        if (!image || prepared_[i])
+            continue;
+        // Cleared once: memory of unknown content could be not-a-number, which no filter weight of 0 removes.
+        gpu::imageBarrier(commands, image.handle(), image.aspect(), gpu::Use::undefined, gpu::Use::general);
+        commands.clearColorImage(
+            image.handle(), vk::ImageLayout::eGeneral, vk::ClearColorValue{},
+            vk::ImageSubresourceRange{image.aspect(), 0, 1, 0, VK_REMAINING_ARRAY_LAYERS});
+        prepared_[i] = 1;
+    }
+    bool any = false;
+    for (const tsl::ObjectResidency& resident : frame.residency.objects())
+        if (resident.fresh) {
+            const LitBlock& b = block(resident.texture);
+            commands.fillBuffer(b.states.handle(), b.stateOffset(resident.texture.layer),
+                                b.layout.tiles * sizeof(shared::TileState), 0);
+            any = true;
+        }
+    if (!any)
+        return;
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::transferWrite);
+    for (const tsl::ObjectResidency& resident : frame.residency.objects())
+        if (resident.fresh && resident.previous)
+            recordTakeover(commands, resident);
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::general);
+}
+
+} // namespace lumel

@@ -1,0 +1,185 @@
+#include "plan_pass.h"
+#include <algorithm>
+#include <set>
+
+namespace lumel {
+namespace {
+
+// Makes the buffer at least this large; grows by half more, so that a steady view allocates nothing.
+void reserve(const gpu::Device& device, gpu::Buffer& buffer, size_t bytes,
+             gpu::Buffer::MemoryUsage memoryUsage, const char* name)
+{
+    if (bytes > buffer.size())
+        buffer = gpu::Buffer(device, bytes + bytes / 2, memoryUsage, name);
+}
+
+// Lumels around a point that the draw filter reads.
+float reachOf(DrawFilter filter)
+{
+    return filter == DrawFilter::bilinear ? 1.0f : 2.0f;
+}
+
+} // namespace
+
+PlanPass::PlanPass(const gpu::Device& device, const GpuScene& scene, const FeedbackPass& feedback)
+    : mark_(gpu::makeComputePipeline(device, "mark.comp", {*scene.frameLayout(), *feedback.layout()},
+                                     sizeof(shared::PlanPush))),
+      classify_(gpu::makeComputePipeline(device, "classify.comp", {*scene.frameLayout()},
+                                         sizeof(shared::PlanPush))),
+      budget_(
+          gpu::makeComputePipeline(device, "budget.comp", {*scene.frameLayout()}, sizeof(shared::PlanPush))),
+      select_(
+          gpu::makeComputePipeline(device, "select.comp", {*scene.frameLayout()}, sizeof(shared::PlanPush))),
+      plan_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::device, "plan"),
+      readback_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::host, "plan readback")
+{
+}
+
+uint32_t PlanPass::lightJobOf(const GpuObject& object, int block)
+{
+    const auto [entry, isNew] =
+        lightJobIndex_.try_emplace({object.material, object.coloured, block}, uint32_t(lightJobs_.size()));
+    if (isNew)
+        lightJobs_.push_back({object.material, object.coloured, block});
+    return entry->second;
+}
+
+uint32_t PlanPass::lowerJobOf(int block, uint32_t tail)
+{
+    const auto [entry, isNew] = lowerJobIndex_.try_emplace(block, uint32_t(lowerJobs_.size()));
+    if (isNew)
+        lowerJobs_.push_back({.block = block, .capacity = std::vector<uint32_t>(tail)});
+    return entry->second;
+}
+
+void PlanPass::prepare(Frame& frame, const LitPool& pool)
+{
+    lightJobs_.clear();
+    lowerJobs_.clear();
+    lightJobIndex_.clear();
+    lowerJobIndex_.clear();
+    const auto& residency = frame.residency.objects();
+    const auto& objects = frame.scene.objects();
+    std::vector<ObjectJobs> jobs(residency.size());
+    uint32_t tiles = 0;
+    for (size_t i = 0; i < residency.size(); ++i) {
+        if (!residency[i].texture)
+            continue;
+        const tsl::TextureLayout& layout = pool.block(residency[i].texture).layout;
+        jobs[i].light = lightJobOf(objects[i], residency[i].texture.block);
+        const uint32_t tail = shared::derivedTail(layout.mips);
+        jobs[i].lower = lowerJobOf(residency[i].texture.block, tail);
+        lightJobs_[jobs[i].light].capacity += layout.tiles;
+        std::vector<uint32_t>& capacity = lowerJobs_[jobs[i].lower].capacity;
+        for (uint32_t mip = 1; mip < tail; ++mip)
+            capacity[mip - 1] += layout.tileOffsets[mip + 1] - layout.tileOffsets[mip];
+        ++capacity[tail - 1]; // of the tail together
+        tiles += layout.tiles;
+    }
+
+    std::vector<shared::Job> table;
+    uint32_t first = 0;
+    const auto addJob = [&](uint32_t capacity) {
+        table.push_back({.groups = {0, 1, 1}, .count = 0, .capacity = capacity, .first = first});
+        first += capacity;
+    };
+    for (const LightJob& job : lightJobs_)
+        addJob(job.capacity);
+    for (LowerJobs& block : lowerJobs_) {
+        block.job = uint32_t(table.size());
+        for (const uint32_t capacity : block.capacity)
+            addJob(capacity);
+    }
+    for (size_t i = 0; i < residency.size(); ++i)
+        if (residency[i].texture)
+            jobs[i].lower = lowerJobs_[jobs[i].lower].job;
+    jobCount_ = uint32_t(table.size());
+
+    using MemoryUsage = gpu::Buffer::MemoryUsage;
+    reserve(frame.device, marks_, tiles * sizeof(shared::Mark), MemoryUsage::device, "marks");
+    reserve(frame.device, tiles_, first * sizeof(shared::JobTile), MemoryUsage::device, "tiles");
+    reserve(frame.device, jobs_, table.size() * sizeof(shared::Job), MemoryUsage::device, "jobs");
+    reserve(frame.device, upload_, table.size() * sizeof(shared::Job), MemoryUsage::host, "jobs upload");
+    std::memcpy(upload_.mapped<void>(), table.data(), table.size() * sizeof(shared::Job));
+    frame.scene.writeObjects(frame.residency, pool, jobs);
+}
+
+shared::LightPush PlanPass::push(const Frame& frame, uint32_t job) const
+{
+    return {.jobs = jobs_.address(),
+            .tiles = tiles_.address(),
+            .job = job,
+            .waiting = frame.lumelBudget < ~0u ? 1u : 0u};
+}
+
+std::map<uint32_t, size_t> PlanPass::lumelsByTileSize(const gpu::Device& device) const
+{
+    const auto bytes = gpu::readBack(device, marks_, read().marked * sizeof(shared::Mark));
+    std::vector<shared::Mark> marks(bytes.size() / sizeof(shared::Mark));
+    if (!marks.empty())
+        std::memcpy(marks.data(), bytes.data(), bytes.size());
+    std::map<uint32_t, size_t> lumels;
+    for (uint32_t shift = 0; shift < 4; ++shift) {
+        std::set<std::pair<uint32_t, uint32_t>> pieces; // object, place
+        for (const shared::Mark& mark : marks) {
+            if (mark.verdict == shared::kVerdictDerive || mark.verdict == shared::kVerdictEmpty)
+                continue;
+            const uint32_t place = mark.tile.place & ~shared::kPlaceWaited;
+            const uint32_t x = (place & 0xfffu) >> shift, y = (place >> 12u & 0xfffu) >> shift;
+            pieces.insert({mark.tile.object, (place & 0xff000000u) | y << 12u | x});
+        }
+        lumels[shared::kTileSize << shift] = pieces.size() * shared::kTileLumels << (2 * shift);
+    }
+    return lumels;
+}
+
+void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
+{
+    const PassScope scope(frame, "plan");
+    const vk::CommandBuffer commands = frame.commands;
+    commands.fillBuffer(plan_.handle(), 0, VK_WHOLE_SIZE, 0);
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::transferWrite);
+    commands.fillBuffer(plan_.handle(), offsetof(shared::Plan, groups) + 2 * sizeof(uint32_t),
+                        sizeof(uint32_t), 1);
+    if (jobCount_ > 0)
+        commands.copyBuffer(upload_.handle(), jobs_.handle(),
+                            vk::BufferCopy{.size = jobCount_ * sizeof(shared::Job)});
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::computeReadWrite);
+
+    const glm::uvec2 samples = feedback.samples();
+    const Settings& settings = frame.settings;
+    const auto objectCount = uint32_t(frame.scene.objects().size());
+    const shared::PlanPush push{.plan = plan_.address(),
+                                .marks = marks_.address(),
+                                .jobs = jobs_.address(),
+                                .tiles = tiles_.address(),
+                                .samples = samples,
+                                .divisor = float(feedback.divisor()),
+                                .reach = reachOf(settings.filter),
+                                .objectCount = objectCount,
+                                .budgetTiles = frame.lumelBudget / shared::kTileLumels,
+                                .refreshShare = settings.refreshShare,
+                                .tolerance = settings.tolerance,
+                                .markCapacity = uint32_t(marks_.size() / sizeof(shared::Mark))};
+    const auto bind = [&](const gpu::Pipeline& pipeline, std::initializer_list<vk::DescriptorSet> sets = {}) {
+        bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, sets);
+        pushConstants(commands, pipeline, push);
+    };
+    const auto wait = [&] { gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::indirectRead); };
+    bind(mark_, {feedback.set()});
+    dispatchList(commands, std::max(samples.x * samples.y, objectCount));
+    wait();
+    for (const gpu::Pipeline* pass : {&classify_, &select_}) {
+        bind(budget_);
+        commands.dispatch(1, 1, 1);
+        wait();
+        bind(*pass);
+        commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, groups));
+        wait();
+    }
+    gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::transferRead);
+    commands.copyBuffer(plan_.handle(), readback_.handle(), vk::BufferCopy{.size = sizeof(shared::Plan)});
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::hostRead);
+}
+
+} // namespace lumel

@@ -1,0 +1,53 @@
+// Plan: from the feedback pass's samples, on the GPU, the lists of tiles to light and to derive.
+#pragma once
+#include "feedback_pass.h"
+#include "lit_pool.h"
+
+namespace lumel {
+
+class PlanPass {
+public:
+    // One indirect dispatch over a list of tiles.
+    struct LightJob { // tiles of one material in one block, with or without vertex colours
+        const GpuMaterial* material;
+        bool coloured;
+        int block;
+        uint32_t first = 0, capacity = 0; // in the tile list
+    };
+    struct LowerJobs { // tiles of one block: MIP 1 is job `job`, each coarser MIP's follows, the tail's is
+                       // one
+        int block;
+        uint32_t job = 0;
+        std::vector<uint32_t> capacity; // tiles, by MIP from 1
+    };
+
+    PlanPass(const gpu::Device& device, const GpuScene& scene, const FeedbackPass& feedback);
+    // Sorts the frame's objects into jobs and writes the object table. Call when no frame is in flight.
+    void prepare(Frame& frame, const LitPool& pool);
+    void record(Frame& frame, const FeedbackPass& feedback);
+    // Reads what was planned, after the recorded commands have finished.
+    const shared::Plan& read() const { return *readback_.mapped<shared::Plan>(); }
+
+    // Lumels that tiles of 8, 16, 32 and 64 lumels a side would hold of what the last plan lit or kept: the
+    // price of lighting in larger pieces. Waits for the device.
+    std::map<uint32_t, size_t> lumelsByTileSize(const gpu::Device& device) const;
+
+    const std::vector<LightJob>& lightJobs() const { return lightJobs_; }
+    const std::vector<LowerJobs>& lowerJobs() const { return lowerJobs_; }
+    shared::LightPush push(const Frame& frame, uint32_t job) const;
+    vk::Buffer jobBuffer() const { return jobs_.handle(); }
+
+private:
+    uint32_t lightJobOf(const GpuObject& object, int block);
+    uint32_t lowerJobOf(int block, uint32_t tail);
+
+    gpu::Pipeline mark_, classify_, budget_, select_;
+    gpu::Buffer plan_, readback_, upload_, jobs_, marks_, tiles_;
+    std::vector<LightJob> lightJobs_;
+    std::vector<LowerJobs> lowerJobs_;
+    std::map<std::tuple<const GpuMaterial*, bool, int>, uint32_t> lightJobIndex_;
+    std::map<int, uint32_t> lowerJobIndex_; // into lowerJobs_
+    uint32_t jobCount_ = 0;
+};
+
+} // namespace lumel

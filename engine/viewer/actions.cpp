@@ -1,0 +1,314 @@
+// What the viewer does when it is asked to: open, copy, save, reload.
+#include "app/command_line.h"
+#include "app/setup.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/image.h"
+#include "gpu/shader_reload.h"
+#include "scene/environment.h"
+#include "scene/light_text.h"
+#include "scene/pick.h"
+#include "viewer.h"
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+
+namespace lumel {
+
+void Viewer::act(const ui::Layout& layout)
+{
+    const ui::Requests asked = std::exchange(state_.requests, {});
+    state_.requests.quit = asked.quit;
+    try {
+        for (const auto& file : asked.open)
+            open(file, asked.openAt, layout);
+        if (!renderers_->scene())
+            return;
+        actOnCamera(asked, layout);
+        if (state_.lightsEdited)
+            for (scene::Light& light : state_.lights)
+                light = scene::parseLight(scene::lightText(light)); // what the command's options say
+        if (asked.copyCommand)
+            copyCommand();
+        if (asked.screenshotPng)
+            takeScreenshot(".png");
+        if (asked.screenshotExr)
+            takeScreenshot(".exr");
+        if (asked.reloadShaders)
+            reloadShaders();
+    } catch (const Interrupted&) {
+        throw;
+    } catch (const Error& e) {
+        say(e.what(), true);
+    }
+    if (asked.fullscreen)
+        toggleFullscreen();
+}
+
+void Viewer::actOnCamera(const ui::Requests& asked, const ui::Layout& layout)
+{
+    const auto scene = renderers_->scene();
+    if (asked.reset)
+        resetView();
+    if (asked.camera >= 0) {
+        arguments_.camera = std::to_string(asked.camera);
+        state_.camera.reset(scene->cameras[size_t(asked.camera)], scene->bounds);
+    }
+    if (!asked.pick)
+        return;
+    const float aspect = layout.picture.x / layout.picture.y;
+    const auto hit = scene::pick(*scene, scene::rayThrough(state_.camera.camera(), asked.pickAt, aspect));
+    state_.selected = hit ? std::optional(hit->object) : std::nullopt;
+    if (hit && asked.focus)
+        state_.camera.focus(scene::worldBounds(*scene, hit->object));
+}
+
+void Viewer::open(const std::filesystem::path& file, glm::vec2 at, const ui::Layout& layout)
+{
+    const std::string extension = file.extension().string();
+    if (extension == ".gltf" || extension == ".glb")
+        beginLoading(file);
+    else if (extension == ".exr")
+        replaceMaterial(file, at, layout);
+    else if (extension == ".hdr")
+        state_.environment = file.string();
+    else
+        throw Error(
+            fmt::format("{}: drop a .gltf or .glb scene, a .hdr to light it, or a baked .exr on a surface",
+                        file.filename().string()));
+}
+
+void Viewer::replaceMaterial(const std::filesystem::path& file, glm::vec2 at, const ui::Layout& layout)
+{
+    const auto scene = renderers_->scene();
+    if (!scene)
+        return;
+    const float aspect = layout.picture.x / layout.picture.y;
+    const auto hit = scene::pick(*scene, scene::rayThrough(state_.camera.camera(), at, aspect));
+    if (!hit)
+        throw Error(file.filename().string() + ": drop a baked file on the surface that is to take it");
+    auto changed = std::make_shared<scene::Scene>(*scene);
+    scene::Material& material = changed->materials[size_t(scene->objects[hit->object].material)];
+    for (scene::Material& other : changed->materials) // the option goes by name
+        if (other.name == material.name)
+            other.bakedFile = file;
+    pendingMaterial_ = {material.name, file};
+    loadingFile_ = arguments_.scene;
+    loader_.begin(arguments_.scene, bakeOptions(state_.sides[0].filter), changed);
+}
+
+SceneArguments Viewer::argumentsOf(size_t side) const
+{
+    SceneArguments a = arguments_;
+    a.settings = renderers_->settings(side);
+    a.settings.budgetMs = 0.0; // what it gives depends on the machine's load
+    if (a.settings.shading == Shading::reference)
+        a.settings.samples = renderers_->samples(side);
+    a.filter = renderers_->method(side);
+    if (state_.lightsEdited) {
+        a.lights = 0;
+        a.lightList = state_.lights;
+    }
+    // What the command would choose by itself depends on the view.
+    const bool chooses = state_.autoExposure || hasOwnLights(a, *renderers_->scene());
+    a.exposure = chooses || state_.exposureChosen ? ExposureChoice::fixed : ExposureChoice::perScene;
+    return a;
+}
+
+void Viewer::copyCommand()
+{
+    std::string text;
+    for (size_t side = 0; side < (state_.split ? 2u : 1u); ++side) {
+        if (!renderers_->picture(side))
+            throw Error("nothing is rendered yet; try again");
+        const char* const name = !state_.split ? "lumel.png"
+                                 : side == 0   ? "lumel-left.png"
+                                               : "lumel-right.png";
+        text += shotCommand(argumentsOf(side), state_.camera, state_.seconds, name) + "\n";
+    }
+    glfwSetClipboardString(frontend_.window, text.c_str());
+    say("copied: " + text.substr(0, text.size() - 1));
+}
+
+void Viewer::takeScreenshot(const char* extension)
+{
+    std::string stem;
+    do
+        stem = fmt::format("lumel-{:03}", ++screenshots_);
+    while (std::filesystem::exists(stem + ".txt"));
+    std::string commands, names;
+    for (size_t side = 0; side < (state_.split ? 2u : 1u); ++side) {
+        if (!renderers_->picture(side))
+            throw Error("nothing is rendered yet; try again");
+        const char* const suffix = !state_.split ? "" : side == 0 ? "-left" : "-right";
+        const std::filesystem::path file = stem + suffix + extension;
+        writeImage(file, renderers_->screenshot(state_, side, std::string_view(extension) == ".exr"));
+        commands += shotCommand(argumentsOf(side), state_.camera, state_.seconds, file) + "\n";
+        names += (names.empty() ? "" : ", ") + file.string();
+    }
+    writeFileAtomically(stem + ".txt", commands);
+    say(fmt::format("written: {}, and {}.txt with the command", names, stem));
+}
+
+void Viewer::reloadShaders()
+{
+    gpu::reloadShaders();
+    renderers_->restart(state_);
+    say("the shaders are compiled anew");
+}
+
+void Viewer::toggleFullscreen()
+{
+    GLFWwindow* window = frontend_.window;
+    if (glfwGetWindowMonitor(window)) {
+        glfwSetWindowMonitor(window, nullptr, windowed_[0], windowed_[1], windowed_[2], windowed_[3], 0);
+        return;
+    }
+    GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+    const GLFWvidmode* mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+    if (!mode)
+        return;
+    glfwGetWindowPos(window, &windowed_[0], &windowed_[1]);
+    glfwGetWindowSize(window, &windowed_[2], &windowed_[3]);
+    glfwSetWindowMonitor(window, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
+scene::MaterialOptions Viewer::bakeOptions(baker::Method method) const
+{
+    return {.method = method,
+            .model = arguments_.model,
+            .useCache = arguments_.useCache,
+            .threads = arguments_.threads};
+}
+
+void Viewer::beginLoading(const std::filesystem::path& file)
+{
+    loadingFile_ = file;
+    pendingMaterial_ = {};
+    const bool first = !renderers_->scene();
+    loader_.begin(file, bakeOptions(state_.sides[0].filter), {}, [this, file, first](scene::Scene& scene) {
+        // Options that change a scene are about the one they came with.
+        if (first)
+            changeScene(arguments_, scene);
+        else
+            scene.environment = scene::chooseEnvironment("", scene);
+    });
+}
+
+void Viewer::finishLoading()
+{
+    report_.loading = loader_.busy() ? loader_.progress().label() : std::string();
+    report_.loadingShare = loader_.progress().share();
+    try {
+        const auto loaded = loader_.take();
+        if (!loaded)
+            return;
+        if (loadingFile_.empty()) {
+            renderers_->addMaterials(*loaded);
+            return;
+        }
+        const bool other = !renderers_->scene() || pendingMaterial_.first.empty();
+        const bool first = !renderers_->scene();
+        renderers_->setScene(*loaded, state_);
+        report_.scene = renderers_->scene().get();
+        report_.lumelGrids = renderers_->lumelGrids();
+        report_.inspection = {};
+        report_.residency.clear();
+        if (!other) {
+            renderers_->setEnvironment(environment_);
+            if (!state_.lightsEdited)
+                renderers_->setLights(state_.lights);
+            arguments_.materialFiles.push_back(pendingMaterial_);
+            say(fmt::format("{}: now the material '{}'", pendingMaterial_.second.filename().string(),
+                            pendingMaterial_.first));
+            return;
+        }
+        arguments_.scene = loadingFile_;
+        if (!first) {
+            // What was asked for on the command line was about the first scene.
+            arguments_.camera.clear();
+            arguments_.eye.reset();
+            arguments_.target.reset();
+            arguments_.lights = 0;
+            arguments_.lightList.clear();
+            arguments_.environment.clear();
+            state_.settings.ambient.reset();
+            arguments_.materialFiles.clear();
+        }
+        state_.lightsEdited = false;
+        state_.selected.reset();
+        const bool animated = renderers_->scene()->animation.seconds > 0.0;
+        state_.seconds = first && animated ? arguments_.seconds : std::nullopt;
+        state_.playing = animated && !state_.seconds;
+        played_ = state_.seconds.value_or(0.0);
+        environment_ = renderers_->scene()->environment;
+        state_.environment = !arguments_.environment.empty() ? arguments_.environment
+                             : environment_                  ? "sky"
+                                                             : "none";
+        environmentName_ = state_.environment;
+        if (!state_.exposureChosen) {
+            state_.settings.exposure = 1.0f;
+            state_.autoExposure = false;
+            exposureAsked_ = hasOwnLights(arguments_, *renderers_->scene());
+        }
+        adaptation_.reset();
+        resetView();
+    } catch (const Error& e) {
+        if (!renderers_->scene())
+            throw;
+        if (loadingFile_.empty()) // not to be tried again and again
+            state_.sides = {ui::Side{state_.sides[0].shading, renderers_->method(0)},
+                            ui::Side{state_.sides[1].shading, renderers_->method(0)}};
+        say(e.what(), true);
+    }
+}
+
+std::vector<scene::Light> Viewer::defaultLights() const
+{
+    const scene::Scene& scene = *renderers_->scene();
+    return scene.lights.empty() ? scene::lightsOf(environment_.get()) : scene.lights;
+}
+
+void Viewer::changeEnvironment()
+{
+    if (!renderers_->scene() || state_.environment == environmentName_)
+        return;
+    try {
+        environment_ = scene::chooseEnvironment(state_.environment, *renderers_->scene());
+    } catch (const Error& e) {
+        state_.environment = environmentName_;
+        say(e.what(), true);
+        return;
+    }
+    environmentName_ = arguments_.environment = state_.environment;
+    if (state_.environment == "none" && !state_.settings.ambient) // as for --environment none
+        state_.settings.ambient = 0.0f;
+    renderers_->setEnvironment(environment_);
+    if (state_.lightsEdited)
+        return;
+    state_.lights = defaultLights();
+    renderers_->setLights(state_.lights);
+}
+
+void Viewer::resetView()
+{
+    const scene::Scene& scene = *renderers_->scene();
+    arguments_.settings.size = state_.settings.size; // of the picture, which frames the scene
+    const ChosenCamera chosen = chooseCamera(arguments_, scene);
+    state_.camera.reset(chosen.camera, scene.bounds, !chosen.named);
+    state_.lights = defaultLights();
+    if (std::exchange(state_.lightsEdited, false))
+        renderers_->setLights(state_.lights);
+}
+
+void Viewer::loadMissing()
+{
+    if (loader_.busy() || !renderers_->scene())
+        return;
+    if (const auto method = renderers_->missing(state_)) {
+        loadingFile_.clear();
+        loader_.begin(arguments_.scene, bakeOptions(*method), renderers_->scene());
+    }
+}
+
+} // namespace lumel

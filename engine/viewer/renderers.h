@@ -1,0 +1,85 @@
+// The viewer's renderers: one for each side of the split, one for the reference that both are measured by.
+#pragma once
+#include "app/playback.h"
+#include "loader.h"
+#include "view_state.h"
+
+namespace lumel {
+
+class ViewRenderers {
+public:
+    explicit ViewRenderers(const gpu::Device& device) : device_(device) {}
+
+    // Another scene, or its materials anew: all renderers begin again. Throws Error and keeps the old ones
+    // when the new scene has no room.
+    void setScene(scene::LoadedScene loaded, const ui::ViewState& state);
+    // The materials of another method, for the same scene.
+    void addMaterials(scene::LoadedScene loaded) { materials_[loaded.options.method] = loaded.materials; }
+    std::shared_ptr<const scene::Scene> scene() const { return scene_; }
+    std::shared_ptr<const std::vector<scene::BakedMaterial>> materials(baker::Method method) const;
+    // A method that a side asks for and that is not there yet.
+    std::optional<baker::Method> missing(const ui::ViewState& state) const;
+
+    // Renders what the state asks for, unless it is there already. True if anything was rendered.
+    bool render(const ui::ViewState& state, glm::uvec2 size, ui::ViewReport& report);
+    // The luminances of what the left side is to show; nothing before there is a scene.
+    std::optional<LuminanceHistogram> meter(const ui::ViewState& state, glm::uvec2 size);
+    // All is rendered that this state will ever show.
+    bool finished() const { return finished_; }
+
+    // For a scene whose own lights are back.
+    void setLights(const std::vector<scene::Light>& lights);
+    // In place of the scene's.
+    void setEnvironment(std::shared_ptr<const scene::Environment> environment);
+    // Per object: the lit texture of a side lit in texture space; lumels of level 0.
+    std::vector<tsl::ObjectResidency> residency(size_t side) const;
+    std::vector<glm::uvec2> lumelGrids() const;
+
+    float ambient() const { return slots_[0].renderer ? slots_[0].renderer->scene().skyRadiance().x : 0.0f; }
+
+    // The picture of a side, in use transferRead; null before the first one.
+    const gpu::Image* picture(size_t side) const;
+    // The picture of a side as a new renderer would render it, display values or radiance. The arguments of
+    // the command that does are settings(side) and method(side).
+    Image screenshot(const ui::ViewState& state, size_t side, bool radiance);
+    const Settings& settings(size_t side) const { return rendererOf(side)->renderer->settings(); }
+    int samples(size_t side) const { return rendererOf(side)->renderer->samples(); }
+    baker::Method method(size_t side) const { return rendererOf(side)->method; }
+    // Makes all pipelines anew.
+    void restart(const ui::ViewState& state);
+
+private:
+    struct Slot {
+        std::unique_ptr<Renderer> renderer;
+        baker::Method method = baker::Method::fit;
+        bool rendered = false;                     // what it was last asked for
+        std::optional<LuminanceHistogram> metered; // of that view
+        scene::Camera camera;
+        std::optional<double> seconds; // of the animation; nothing: as the file's nodes stand
+        FrameStats stats;
+    };
+    static constexpr size_t kReference = 2;
+    Slot* rendererOf(size_t side);
+    const Slot* rendererOf(size_t side) const;
+    void prepare(Slot& slot, const ui::ViewState& state, baker::Method method, const Settings& settings);
+    // The slot of a side as the state asks for.
+    Slot& prepareSide(const ui::ViewState& state, glm::uvec2 size, size_t side);
+    Slot& prepareReference(const ui::ViewState& state, glm::uvec2 size);
+    bool renderSlot(Slot& slot, const ui::ViewState& state);
+    void forgetUnused(const ui::ViewState& state);
+    void measure(const ui::ViewState& state, ui::ViewReport& report);
+
+    const gpu::Device& device_;
+    std::shared_ptr<const scene::Scene> scene_;
+    std::optional<Playback> playback_; // of a scene that is animated
+    std::map<baker::Method, std::shared_ptr<const std::vector<scene::BakedMaterial>>> materials_;
+    std::array<Slot, 3> slots_;
+    std::array<bool, 2> isReference_{}; // what the sides show
+    // That the renderers have; nothing: the scene's.
+    std::optional<std::vector<scene::Light>> lights_;
+    std::optional<std::shared_ptr<const scene::Environment>> environment_;
+    int measuredSamples_ = 0;
+    bool finished_ = false;
+};
+
+} // namespace lumel

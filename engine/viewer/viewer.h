@@ -1,0 +1,88 @@
+// The window and its loop: what was asked for by keys, panels and drops, then a frame, then the panels over
+// it.
+#pragma once
+#include "app/commands.h"
+#include "input.h"
+#include "renderers.h"
+
+struct GLFWwindow;
+
+namespace lumel {
+
+class Viewer {
+public:
+    // Throws Error when the window or the device is not to be had.
+    explicit Viewer(const ViewArguments& arguments);
+    ~Viewer();
+    Viewer(const Viewer&) = delete;
+    Viewer& operator=(const Viewer&) = delete;
+
+    // Until the window is closed. Throws Error when the first scene cannot be shown.
+    void run();
+    std::vector<std::string> validationMessages() const { return device_->validationMessages(); }
+
+private:
+    // GLFW's window and ImGui's context, which all else needs.
+    struct Frontend {
+        explicit Frontend(const ViewArguments& arguments);
+        ~Frontend();
+        GLFWwindow* window = nullptr;
+        float scale = 1.0f; // of the panels
+        std::unique_ptr<ui::Input> input;
+    };
+
+    void frame();
+    bool idle() const;
+    void play(double seconds);
+    void expose(double seconds);
+    void render();
+    void show(const ui::Layout& layout);
+    void inspect(const ui::Layout& layout);
+    glm::uvec2 pictureSize(const ui::Layout& layout) const;
+
+    // What was asked for.
+    void act(const ui::Layout& layout);
+    void actOnCamera(const ui::Requests& asked, const ui::Layout& layout);
+    void open(const std::filesystem::path& file, glm::vec2 at, const ui::Layout& layout);
+    void replaceMaterial(const std::filesystem::path& file, glm::vec2 at, const ui::Layout& layout);
+    void copyCommand();
+    void takeScreenshot(const char* extension);
+    void reloadShaders();
+    void toggleFullscreen();
+
+    // Loading.
+    void beginLoading(const std::filesystem::path& file);
+    void finishLoading();
+    void resetView();
+    void changeEnvironment();                        // to what the panels ask for
+    std::vector<scene::Light> defaultLights() const; // of the scene, or of its environment
+    scene::MaterialOptions bakeOptions(baker::Method method) const;
+    void loadMissing();
+
+    SceneArguments argumentsOf(size_t side) const; // of the command that renders what is shown
+    void say(const std::string& message, bool isError = false);
+    void setTitle();
+
+    ViewArguments arguments_; // `scene` is the one shown
+    Frontend frontend_;
+    std::unique_ptr<gpu::Device> device_;
+    std::unique_ptr<gpu::Window> window_;
+    std::unique_ptr<ViewRenderers> renderers_;
+    scene::Loader loader_;
+    ui::Inspector inspector_;
+    ui::ViewState state_;
+    ui::ViewReport report_;
+    std::filesystem::path loadingFile_; // empty: materials of the scene that is shown
+    std::pair<std::string, std::filesystem::path> pendingMaterial_; // name, baked file
+    std::shared_ptr<const scene::Environment> environment_;         // as shown
+    std::string environmentName_;
+    int screenshots_ = 0;
+    ExposureAdaptation adaptation_;
+    bool exposureAsked_ = false; // is automatic exposure needed?
+    double lastFrame_ = 0.0;     // seconds
+    double played_ = 0.0;        // seconds of the animation
+    std::string title_;
+    std::array<int, 4> windowed_{}; // place and size before full screen
+};
+
+} // namespace lumel
