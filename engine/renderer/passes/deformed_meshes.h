@@ -1,4 +1,4 @@
-// The meshes that bend, on the GPU: vertices of their own for each, and what moves them.
+// The meshes that deform, on the GPU: vertices of their own for each, and what moves them.
 #pragma once
 #include "gpu/resource.h"
 #include "scene/scene.h"
