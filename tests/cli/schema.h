@@ -1,4 +1,4 @@
-// The statistics' documented form (README), field by field.
+// The documented form of the statistics (engine/app/bench/README.md), field by field.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <set>
