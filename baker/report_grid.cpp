@@ -94,13 +94,13 @@ Narrowness narrowness(const Source& source)
     int bin = 0;
     while (bin < kBins && (narrower += all.bins[size_t(bin)]) * 100 <= all.total)
         ++bin;
-    narrow.usual = std::max(all.least, std::exp2(double(bin) / kBinsAnOctave - 12.0));
+    narrow.firstPercentile = std::max(all.least, std::exp2(double(bin) / kBinsAnOctave - 12.0));
     return narrow;
 }
 
 int gridSide(const Narrowness& narrow)
 {
-    const double spacing = std::min(0.6 * narrow.usual, 1.6 * narrow.least);
+    const double spacing = std::min(0.6 * narrow.firstPercentile, 1.6 * narrow.least);
     return int(std::clamp(std::ceil(2.0 / spacing), double(kLeastSide), double(kMostSide)));
 }
 

@@ -6,7 +6,8 @@
 
 namespace lumel::cli {
 
-// What one run of `shot --stats` or `bench --json` must be; each difference is a test failure that names it.
+// What one run of `shot --stats` or `bench --json` must be; each difference is a test failure that names the
+// field.
 void expectRunOfSchema(const nlohmann::json& run);
 
 // All names of fields in the document, but those inside `options` and `lumels_by_tile_size`: options and
