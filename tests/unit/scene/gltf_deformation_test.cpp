@@ -276,7 +276,7 @@ struct MorphingGltf : testing::Test {
     }
 };
 
-TEST_F(MorphingGltf, TargetsAddWhatTheyWeigh)
+TEST_F(MorphingGltf, TargetsAddTheirWeightedDeltas)
 {
     gltf.root["meshes"][0]["weights"] = {0.5, -2};
     const Scene scene = load();
