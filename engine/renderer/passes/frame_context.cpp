@@ -63,7 +63,7 @@ void Targets::check(const gpu::Device& device, const Settings& settings)
 void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
               std::initializer_list<vk::DescriptorSet> sets)
 {
-    std::vector<vk::DescriptorSet> all{frame.scene.frameSet()};
+    std::vector<vk::DescriptorSet> all{frame.scene.frameSet().handle()};
     all.insert(all.end(), sets);
     frame.commands.bindPipeline(point, *pipeline.handle);
     frame.commands.bindDescriptorSets(point, *pipeline.layout, 0, all, nullptr);
@@ -75,6 +75,19 @@ void setViewport(vk::CommandBuffer commands, vk::Extent2D extent)
         0, vk::Viewport{
                .width = float(extent.width), .height = float(extent.height), .minDepth = 0, .maxDepth = 1});
     commands.setScissor(0, vk::Rect2D{{0, 0}, extent});
+}
+
+void drawTriangles(Frame& frame, size_t object)
+{
+    const GpuObject& o = frame.scene.objects()[object];
+    const vk::CommandBuffer commands = frame.commands;
+    commands.setCullMode(o.data.flags & shared::kObjectDoubleSided ? vk::CullModeFlagBits::eNone
+                                                                   : vk::CullModeFlagBits::eBack);
+    commands.setFrontFace(o.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
+    // Indexed, so that a vertex which triangles share is transformed once.
+    commands.bindIndexBuffer(o.indices, 0, vk::IndexType::eUint32);
+    commands.bindVertexBuffers(0, {o.vertices, frame.scene.objectTable().handle()}, {0, 0});
+    commands.drawIndexed(o.indexCount, 1, 0, 0, uint32_t(object));
 }
 
 } // namespace lumel

@@ -2,9 +2,10 @@
 #pragma once
 #include "gpu/barrier.h"
 #include "gpu/timer.h"
-#include "gpu_scene.h"
+#include "renderer/resources/scene_state.h"
 #include "renderer/settings.h"
 #include "tsl/detail.h"
+#include "tsl/residency.h"
 
 namespace lumel {
 
@@ -27,7 +28,7 @@ struct Frame {
     const gpu::Device& device;
     vk::CommandBuffer commands;
     gpu::Timer& timer;
-    GpuScene& scene;
+    SceneState& scene;
     Targets& targets;
     const Settings& settings;
     glm::uvec2 renderSize{0}; // pixels: a part of the targets, upscaled when it is not all
@@ -73,6 +74,9 @@ void pushConstants(vk::CommandBuffer commands, const gpu::Pipeline& pipeline, co
 // Set 0 of every pipeline is the frame's view and lights; `sets` follow.
 void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
               std::initializer_list<vk::DescriptorSet> sets = {});
+
+// Draws an object's triangles with the bound pipeline, its winding and culling set.
+void drawTriangles(Frame& frame, size_t object);
 
 // Over a list, for shaders that include lib/rows.glsl.
 inline void dispatchList(vk::CommandBuffer commands, uint32_t invocations)
