@@ -12,11 +12,11 @@ void Renderer::recordFrame(Frame& frame)
 {
     settled_ = true;
     deform_.record(frame); // joints and morph targets move vertices
-    shadow_.record(frame); // how far do the lights reach? Not through what has moved.
+    shadow_.record(frame); // how far the lights reach, where lights or objects have moved
     if (settings_.shading == Shading::tsl)
         recordTextureSpace(frame);
     if (settings_.shading == Shading::reference)
-        recordReference(frame); // the truth: many shifted forward frames at level 0
+        recordReference(frame); // ground truth: many shifted forward frames at level 0
     else
         draw_.record(frame, pool_); // look the light up, per pixel
     display_.record(frame, settings_.shading == Shading::reference ? sumSamples_ : 0); // tone-map, once
@@ -30,7 +30,7 @@ void Renderer::recordTextureSpace(Frame& frame)
         return;                      // and these hold all the light that this view needs
     }
     feedback_.record(frame, first_); // what does this view need, and how finely?
-    submitAndWait(frame);            // the CPU decides about memory
+    submitAndWait(frame);            // since the CPU assigns memory by the answer
     feedback_.read(frame);
     if (chooseDetail(frame)) {
         feedback_.recount(frame); // the same samples once more, at that detail
@@ -53,6 +53,12 @@ Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene, const S
 {
     if (settings.budgetMs > 0.0)
         budget_.emplace(settings.budgetMs);
+}
+
+Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
+                   const std::vector<scene::BakedMaterial>& materials, const Settings& settings)
+    : Renderer(device, scene, uploadScene(device, scene, materials), settings)
+{
 }
 
 // Sub-pixel position of the reference's sample i, in [-0.5, 0.5): the R2 sequence (Roberts 2018, "The
@@ -78,12 +84,6 @@ void Renderer::recordReference(Frame& frame)
         submitAndWait(frame); // bounded work per submission, and a place for Ctrl-C
         progress.advance(1);
     }
-}
-
-Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
-                   const std::vector<scene::BakedMaterial>& materials, const Settings& settings)
-    : Renderer(device, scene, uploadScene(device, scene, materials), settings)
-{
 }
 
 void Renderer::begin(Frame& frame)

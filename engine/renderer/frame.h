@@ -25,7 +25,7 @@ public:
 
     // Renders one frame and waits for it. Throws Interrupted after Ctrl-C.
     FrameStats render(const scene::Camera& camera);
-    // Reference only: adds settings().samples to those of this very view, or starts anew.
+    // Reference only: adds settings().samples to those of this very view, or starts over.
     FrameStats accumulate(const scene::Camera& camera);
     // The luminances of the view, for automatic exposure; changes no picture.
     LuminanceHistogram meter(const scene::Camera& camera);

@@ -1,4 +1,4 @@
-// What came of a frame: its picture, and what it did with each object.
+// Frame results: statistics, the picture, what was done with each object.
 #include "frame.h"
 #include <spdlog/spdlog.h>
 

@@ -3,26 +3,11 @@
 #include "gpu/barrier.h"
 #include "gpu/timer.h"
 #include "renderer/resources/scene_state.h"
-#include "renderer/settings.h"
+#include "renderer/resources/targets.h"
 #include "tsl/detail.h"
 #include "tsl/residency.h"
 
 namespace lumel {
-
-// Render targets of one picture size.
-struct Targets {
-    Targets(const gpu::Device& device, const Settings& settings);
-    // Throws Error when the device has no such images.
-    static void check(const gpu::Device& device, const Settings& settings);
-    gpu::Image hdr;          // linear radiance and coverage, RGBA16F, one sample a pixel
-    gpu::Image depth;        // D32, as many samples as the draw pass
-    gpu::Image multisampled; // RGBA16F, only with msaa > 1
-    gpu::Image sum;          // RGBA32F, reference only
-    // Of a frame that is drawn smaller than it is shown, RGBA16F, sRGB encoded: as drawn, and as wide as
-    // shown.
-    gpu::Image small, wide;
-    gpu::Image display; // RGBA8, sRGB encoded
-};
 
 struct Frame {
     const gpu::Device& device;
