@@ -44,10 +44,24 @@ struct BenchRunner::Run {
     std::vector<FrameStats> frames;
     Image before; // for flicker: the frame before
 
-    Run(const gpu::Device& device, const scene::Scene& scene, const SceneArguments& arguments,
-        const std::vector<scene::BakedMaterial>& materials)
-        : renderer(device, scene, materials, arguments.settings)
+    Run(const gpu::Device& device, const scene::Scene& scene, const SceneResources& resources,
+        const Settings& settings)
+        : renderer(device, scene, resources, settings)
     {
+    }
+};
+
+// What all runs of a scene share.
+struct BenchRunner::Uploaded {
+    std::shared_ptr<const GeometryResources> geometry;
+    std::map<baker::Method, std::shared_ptr<const MaterialResources>> materials;
+    std::shared_ptr<const EnvironmentMap> environment, noEnvironment;
+
+    SceneResources resourcesOf(baker::Method method, const scene::Scene& scene) const
+    {
+        return {.geometry = geometry,
+                .materials = materials.at(method),
+                .environment = scene.environment ? environment : noEnvironment};
     }
 };
 
@@ -84,15 +98,7 @@ void BenchRunner::addScene(const std::filesystem::path& file)
     changes.scene = file;
     changes.lights = 0; // below, in turn
     changeScene(changes, scene);
-    materials_.clear();
-    for (const BenchShading& shading : arguments_.shadings) {
-        const baker::Method method = shading.filter.value_or(arguments_.filter);
-        if (!materials_.contains(method))
-            materials_[method] = scene::bakeMaterials(scene, {.method = method,
-                                                              .model = arguments_.model,
-                                                              .useCache = arguments_.useCache,
-                                                              .threads = arguments_.threads});
-    }
+    const Uploaded uploaded = upload(scene);
     const std::vector<scene::Object> objects = scene.objects;
     const std::vector<scene::Light> lights = scene.lights;
     const auto environment = scene.environment;
@@ -108,14 +114,36 @@ void BenchRunner::addScene(const std::filesystem::path& file)
                 const bool usual = view.lights == 0 || !arguments_.environment.empty();
                 scene.environment = usual ? environment : nullptr;
                 scene.objects = spreadObjects(objects, size_t(objectCount));
-                addView(scene, view);
+                addView(scene, uploaded, view);
                 if (objectCount > 0)
                     for (const auto& run : views_.back()->runs)
                         run->info.options["objects"] = std::to_string(scene.objects.size());
             }
 }
 
-void BenchRunner::addView(scene::Scene& scene, const BenchArguments& arguments)
+BenchRunner::Uploaded BenchRunner::upload(const scene::Scene& scene) const
+{
+    Uploaded all;
+    for (const BenchShading& shading : arguments_.shadings) {
+        const baker::Method method = shading.filter.value_or(arguments_.filter);
+        if (all.materials.contains(method))
+            continue;
+        const std::vector<scene::BakedMaterial> baked =
+            scene::bakeMaterials(scene, {.method = method,
+                                         .model = arguments_.model,
+                                         .useCache = arguments_.useCache,
+                                         .threads = arguments_.threads});
+        all.materials[method] = std::make_shared<const MaterialResources>(device_, scene, baked);
+        if (!all.geometry)
+            all.geometry = std::make_shared<const GeometryResources>(device_, scene, baked);
+    }
+    all.environment = std::make_shared<const EnvironmentMap>(device_, scene.environment.get());
+    all.noEnvironment = std::make_shared<const EnvironmentMap>(device_, nullptr);
+    return all;
+}
+
+void BenchRunner::addView(const scene::Scene& scene, const Uploaded& uploaded,
+                          const BenchArguments& arguments)
 {
     const scene::Camera camera = chooseCamera(arguments, scene).camera;
     PathOptions path = arguments.path;
@@ -132,7 +160,8 @@ void BenchRunner::addView(scene::Scene& scene, const BenchArguments& arguments)
             way.settings.samples = shading.samples;
         if (shading.shading == Shading::reference)
             way.settings.budgetMs = 0.0; // it has one quality only
-        view.runs.push_back(std::make_unique<Run>(device_, scene, way, materials_.at(way.filter)));
+        view.runs.push_back(
+            std::make_unique<Run>(device_, scene, uploaded.resourcesOf(way.filter, scene), way.settings));
         RunInfo& info = view.runs.back()->info;
         info = describeRun(way, path, camera, device_);
         info.shading = shading.name;
@@ -156,7 +185,8 @@ void BenchRunner::addView(scene::Scene& scene, const BenchArguments& arguments)
         settings.exposure = exposure;
         settings.shading = Shading::reference;
         settings.budgetMs = 0.0;
-        view.reference = std::make_unique<Renderer>(device_, scene, materials_.begin()->second, settings);
+        view.reference = std::make_unique<Renderer>(
+            device_, scene, uploaded.resourcesOf(uploaded.materials.begin()->first, scene), settings);
     }
 }
 

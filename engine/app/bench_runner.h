@@ -20,9 +20,11 @@ public:
 private:
     struct View; // what is seen: a scene, its lights and objects, a size
     struct Run;  // a view and a way of shading it
+    struct Uploaded;
 
     void addScene(const std::filesystem::path& file);
-    void addView(scene::Scene& scene, const BenchArguments& arguments);
+    Uploaded upload(const scene::Scene& scene) const;
+    void addView(const scene::Scene& scene, const Uploaded& uploaded, const BenchArguments& arguments);
     void measureTurn(View& view, int from, int to, bool backwards);
     void renderReferences(View& view, int from, int to);
     void render(View& view, Run& run, int frame);
@@ -33,7 +35,6 @@ private:
     const gpu::Device& device_;
     const BenchArguments& arguments_;
     std::vector<std::unique_ptr<View>> views_;
-    std::map<baker::Method, std::vector<scene::BakedMaterial>> materials_; // of the scene being added
     std::unique_ptr<Progress> progress_;
 };
 

@@ -221,7 +221,7 @@ std::vector<std::string> Device::validationMessages() const
 Memory Device::allocate(const vk::MemoryRequirements& requirements, vk::MemoryPropertyFlags wanted,
                         const std::string& remedy, bool deviceAddress) const
 {
-    const auto problems = unmet(limits_, requirements.size, allocations_ + 1, remedy);
+    const auto problems = unmet(limits_, requirements.size, memoryCount_.allocations + 1, remedy);
     if (!problems.empty())
         throw Error("Vulkan: " + problems.front());
     for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
@@ -234,8 +234,9 @@ Memory Device::allocate(const vk::MemoryRequirements& requirements, vk::MemoryPr
                                      {.pNext = deviceAddress ? &flags : nullptr,
                                       .allocationSize = requirements.size,
                                       .memoryTypeIndex = i}}};
-            ++allocations_;
-            memory.counted.reset(&allocations_);
+            ++memoryCount_.allocations;
+            memoryCount_.bytes += requirements.size;
+            memory.counted = {&memoryCount_, FreesCounted{requirements.size}};
             return memory;
         } catch (const vk::OutOfDeviceMemoryError&) {
         } catch (const vk::OutOfHostMemoryError&) { // software devices
@@ -254,10 +255,16 @@ void Device::submitAndWait(vk::CommandBuffer commands) const
     device_.resetFences(*fence_);
 }
 
+vk::raii::CommandBuffer Device::makeCommands() const
+{
+    vk::raii::CommandBuffers buffers(device_, {.commandPool = *commandPool_, .commandBufferCount = 1});
+    return std::move(buffers.front());
+}
+
 void Device::runOnce(const std::function<void(vk::CommandBuffer)>& record) const
 {
-    const vk::raii::CommandBuffers buffers(device_, {.commandPool = *commandPool_, .commandBufferCount = 1});
-    const vk::CommandBuffer commands = *buffers.front();
+    const vk::raii::CommandBuffer buffer = makeCommands();
+    const vk::CommandBuffer commands = *buffer;
     commands.begin(vk::CommandBufferBeginInfo{.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
     record(commands);
     commands.end();

@@ -23,13 +23,24 @@ struct DeviceOptions {
 // Names of all Vulkan devices, in the order of their indices.
 std::vector<std::string> deviceNames();
 
-// Device memory, counted while it lives: drivers limit the number of allocations.
+// What is allocated of a device's memory: drivers limit the number of allocations.
+struct MemoryCount {
+    std::atomic<uint32_t> allocations = 0;
+    std::atomic<uint64_t> bytes = 0;
+};
+struct FreesCounted {
+    uint64_t bytes = 0;
+    void operator()(MemoryCount* count) const
+    {
+        --count->allocations;
+        count->bytes -= bytes;
+    }
+};
+
+// Device memory, counted while it lives.
 struct Memory {
-    struct GiveBack {
-        void operator()(std::atomic<uint32_t>* count) const { --*count; }
-    };
     vk::raii::DeviceMemory handle = nullptr;
-    std::unique_ptr<std::atomic<uint32_t>, GiveBack> counted{};
+    std::unique_ptr<MemoryCount, FreesCounted> counted{};
 };
 
 // Validation messages, collected while the device lives; tests fail on any.
@@ -57,11 +68,13 @@ public:
     const Limits& limits() const { return limits_; }
     std::string driver() const { return driver_; }
     std::vector<std::string> validationMessages() const;
+    uint64_t allocatedBytes() const { return memoryCount_.bytes; }
 
     // Throws Error with the remedy when out of memory.
     Memory allocate(const vk::MemoryRequirements& requirements, vk::MemoryPropertyFlags wanted,
                     const std::string& remedy, bool deviceAddress = false) const;
 
+    vk::raii::CommandBuffer makeCommands() const;
     // Records, submits and waits. For uploads and readbacks, not for frames.
     void runOnce(const std::function<void(vk::CommandBuffer)>& record) const;
     void submitAndWait(vk::CommandBuffer commands) const;
@@ -100,7 +113,7 @@ private:
     vk::raii::CommandPool commandPool_ = nullptr;
     vk::raii::DescriptorPool descriptorPool_ = nullptr;
     vk::raii::Fence fence_ = nullptr;
-    mutable std::atomic<uint32_t> allocations_ = 0;
+    mutable MemoryCount memoryCount_;
 
     void createInstance();
     void choosePhysical(const DeviceOptions& options);

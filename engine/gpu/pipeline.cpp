@@ -150,23 +150,43 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
     return pipeline;
 }
 
+static vk::PipelineDepthStencilStateCreateInfo depthOf(const GraphicsInfo& info)
+{
+    const bool over = info.blend || info.background; // what is there already
+    return {.depthTestEnable = VK_TRUE,
+            .depthWriteEnable = !over,
+            .depthCompareOp = over ? vk::CompareOp::eGreaterOrEqual : vk::CompareOp::eGreater};
+}
+
+static vk::PipelineColorBlendAttachmentState blendOf(const GraphicsInfo& info)
+{
+    using Factor = vk::BlendFactor;
+    using Component = vk::ColorComponentFlagBits;
+    return {.blendEnable = info.blend,
+            .srcColorBlendFactor = Factor::eSrcAlpha,
+            .dstColorBlendFactor = Factor::eOneMinusSrcAlpha,
+            .srcAlphaBlendFactor = Factor::eOne,
+            .dstAlphaBlendFactor = Factor::eOneMinusSrcAlpha,
+            .colorWriteMask = Component::eR | Component::eG | Component::eB | Component::eA};
+}
+
 Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
 {
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
-    const auto vertex = makeModule(device, info.vertex);
-    vk::raii::ShaderModule fragment = nullptr;
-    if (!info.fragment.empty())
-        fragment = makeModule(device, info.fragment);
     const Constants constants(info.features, info.filter);
-    const vk::PipelineShaderStageCreateInfo stages[] = {{.stage = vk::ShaderStageFlagBits::eVertex,
-                                                         .module = *vertex,
-                                                         .pName = "main",
-                                                         .pSpecializationInfo = &constants.info},
-                                                        {.stage = vk::ShaderStageFlagBits::eFragment,
-                                                         .module = *fragment,
-                                                         .pName = "main",
-                                                         .pSpecializationInfo = &constants.info}};
+    std::vector<vk::raii::ShaderModule> modules;
+    std::vector<vk::PipelineShaderStageCreateInfo> stages;
+    const auto addStage = [&](vk::ShaderStageFlagBits stage, const std::string& shader) {
+        modules.push_back(makeModule(device, shader));
+        stages.push_back({.stage = stage,
+                          .module = *modules.back(),
+                          .pName = "main",
+                          .pSpecializationInfo = &constants.info});
+    };
+    addStage(vk::ShaderStageFlagBits::eVertex, info.vertex);
+    if (!info.fragment.empty())
+        addStage(vk::ShaderStageFlagBits::eFragment, info.fragment);
     const auto input = vk::PipelineVertexInputStateCreateInfo{}
                            .setVertexBindingDescriptions(info.bindings)
                            .setVertexAttributeDescriptions(info.attributes);
@@ -176,21 +196,9 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill,
                                                           .lineWidth = 1.0f};
     const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples = info.samples};
-    const vk::PipelineDepthStencilStateCreateInfo depth{.depthTestEnable = VK_TRUE,
-                                                        .depthWriteEnable = !info.blend && !info.background,
-                                                        .depthCompareOp = info.blend || info.background
-                                                                              ? vk::CompareOp::eGreaterOrEqual
-                                                                              : vk::CompareOp::eGreater};
+    const vk::PipelineDepthStencilStateCreateInfo depth = depthOf(info);
+    const vk::PipelineColorBlendAttachmentState attachment = blendOf(info);
     const uint32_t colours = info.color == vk::Format::eUndefined ? 0 : 1;
-    using Factor = vk::BlendFactor;
-    using Component = vk::ColorComponentFlagBits;
-    const vk::PipelineColorBlendAttachmentState attachment{.blendEnable = info.blend,
-                                                           .srcColorBlendFactor = Factor::eSrcAlpha,
-                                                           .dstColorBlendFactor = Factor::eOneMinusSrcAlpha,
-                                                           .srcAlphaBlendFactor = Factor::eOne,
-                                                           .dstAlphaBlendFactor = Factor::eOneMinusSrcAlpha,
-                                                           .colorWriteMask = Component::eR | Component::eG |
-                                                                             Component::eB | Component::eA};
     const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = colours,
                                                       .pAttachments = &attachment};
     const vk::DynamicState dynamicStates[] = {vk::DynamicState::eViewport, vk::DynamicState::eScissor,
@@ -199,20 +207,18 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = colours,
                                                     .pColorAttachmentFormats = &info.color,
                                                     .depthAttachmentFormat = vk::Format::eD32Sfloat};
-    pipeline.handle =
-        vk::raii::Pipeline(device.handle(), nullptr,
-                           vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
-                                                          .stageCount = info.fragment.empty() ? 1u : 2u,
-                                                          .pStages = stages,
-                                                          .pVertexInputState = &input,
-                                                          .pInputAssemblyState = &triangles,
-                                                          .pViewportState = &viewport,
-                                                          .pRasterizationState = &raster,
-                                                          .pMultisampleState = &multisample,
-                                                          .pDepthStencilState = &depth,
-                                                          .pColorBlendState = &blend,
-                                                          .pDynamicState = &dynamic,
-                                                          .layout = *pipeline.layout});
+    const auto create = vk::GraphicsPipelineCreateInfo{.pNext = &rendering,
+                                                       .pVertexInputState = &input,
+                                                       .pInputAssemblyState = &triangles,
+                                                       .pViewportState = &viewport,
+                                                       .pRasterizationState = &raster,
+                                                       .pMultisampleState = &multisample,
+                                                       .pDepthStencilState = &depth,
+                                                       .pColorBlendState = &blend,
+                                                       .pDynamicState = &dynamic,
+                                                       .layout = *pipeline.layout}
+                            .setStages(stages);
+    pipeline.handle = vk::raii::Pipeline(device.handle(), nullptr, create);
     device.name(pipeline.handle, info.fragment.empty() ? info.vertex : info.fragment);
     return pipeline;
 }

@@ -140,10 +140,8 @@ void Window::createPanels()
     ImGui_ImplVulkan_DestroyFontUploadObjects();
 }
 
-bool Window::createSwapchain()
+vk::Extent2D Window::extentBy(const vk::SurfaceCapabilitiesKHR& limits) const
 {
-    device_.handle().waitIdle();
-    const auto limits = device_.physical().getSurfaceCapabilitiesKHR(*surface_);
     vk::Extent2D extent = limits.currentExtent;
     if (extent.width == ~0u) { // Wayland: the window decides
         int width = 0, height = 0;
@@ -152,6 +150,14 @@ bool Window::createSwapchain()
         extent.height =
             std::clamp(uint32_t(height), limits.minImageExtent.height, limits.maxImageExtent.height);
     }
+    return extent;
+}
+
+bool Window::createSwapchain()
+{
+    device_.handle().waitIdle();
+    const auto limits = device_.physical().getSurfaceCapabilitiesKHR(*surface_);
+    const vk::Extent2D extent = extentBy(limits);
     if (extent.width == 0 || extent.height == 0)
         return false;
     const auto modes = device_.physical().getSurfacePresentModesKHR(*surface_);
@@ -180,6 +186,14 @@ bool Window::createSwapchain()
                            .clipped = VK_TRUE,
                            .oldSwapchain = *old});
     extent_ = extent;
+    createImages();
+    outdated_ = false;
+    return true;
+}
+
+// Of the swapchain, to draw panels over them.
+void Window::createImages()
+{
     images_.clear();
     for (const VkImage image : swapchain_.getImages())
         images_.emplace_back(image);
@@ -193,13 +207,11 @@ bool Window::createSwapchain()
                                    vk::FramebufferCreateInfo{.renderPass = *renderPass_,
                                                              .attachmentCount = 1,
                                                              .pAttachments = &*views_.back(),
-                                                             .width = extent.width,
-                                                             .height = extent.height,
+                                                             .width = extent_.width,
+                                                             .height = extent_.height,
                                                              .layers = 1});
         drawn_.emplace_back(device_.handle(), vk::SemaphoreCreateInfo{});
     }
-    outdated_ = false;
-    return true;
 }
 
 void Window::setPresentMode(PresentMode mode)

@@ -32,7 +32,9 @@ public:
 
 private:
     void createSurface();
+    vk::Extent2D extentBy(const vk::SurfaceCapabilitiesKHR& limits) const;
     bool createSwapchain(); // false: the window has no area
+    void createImages();
     void createPanels();
     bool acquire(uint32_t& image);
     void record(uint32_t image, const std::vector<Placement>& placements, std::array<float, 3> background,

@@ -1,7 +1,7 @@
 #include "demands.h"
-#include "renderer/passes/frame_context.h"
 #include "renderer/passes/shadow_pass.h"
 #include "renderer/passes/vertex_input.h"
+#include "renderer/resources/targets.h"
 #include <algorithm>
 
 namespace lumel {

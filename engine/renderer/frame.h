@@ -16,12 +16,16 @@ namespace lumel {
 
 class Renderer {
 public:
+    // Shows the objects of `scene`, which `resources` are of; other renderers may share these.
+    Renderer(const gpu::Device& device, const scene::Scene& scene, const SceneResources& resources,
+             const Settings& settings);
+    // With resources of its own.
     Renderer(const gpu::Device& device, const scene::Scene& scene,
              const std::vector<scene::BakedMaterial>& materials, const Settings& settings);
 
     // Renders one frame and waits for it. Throws Interrupted after Ctrl-C.
     FrameStats render(const scene::Camera& camera);
-    // Reference only: adds settings().samples to those of this very view, or starts anew.
+    // Reference only: adds settings().samples to those of this very view, or starts over.
     FrameStats accumulate(const scene::Camera& camera);
     // The luminances of the view, for automatic exposure; changes no picture.
     LuminanceHistogram meter(const scene::Camera& camera);
@@ -36,10 +40,10 @@ public:
     void restart();
 
     // From the next frame on; what they reach is lit again.
-    void setLights(const std::vector<scene::Light>& lights) { scene_.setLights(lights, frameIndex_ + 1); }
-    void setEnvironment(std::shared_ptr<const scene::Environment> environment)
+    void setLights(const std::vector<scene::Light>& lights) { scene_.lights().set(lights, frameIndex_ + 1); }
+    void setEnvironment(std::shared_ptr<const EnvironmentMap> environment)
     {
-        scene_.setEnvironment(device_, std::move(environment), frameIndex_ + 1);
+        scene_.lights().setEnvironment(device_, std::move(environment), frameIndex_ + 1);
     }
     void moveObject(size_t object, const glm::mat4& worldFromObject)
     {
@@ -52,7 +56,7 @@ public:
     std::map<uint32_t, size_t> lumelsByTileSize() const; // texture space only, see PlanPass
 
     const gpu::Image& display() const { return targets_.display; } // in use transferRead after a frame
-    const GpuScene& scene() const { return scene_; }
+    const SceneState& scene() const { return scene_; }
     const tsl::Residency& residency() const { return residency_; } // of the objects, in the scene's order
     Image readRadiance() const;                                    // RGB, linear, after render()
     Image readDisplay() const; // RGB, sRGB-encoded display values in [0, 1]
@@ -61,23 +65,25 @@ private:
     void recordFrame(Frame& frame);
     void recordTextureSpace(Frame& frame);
     void recordReference(Frame& frame);
+    bool isSettled(const Frame& frame) const;
+    bool chooseDetail(Frame& frame); // true: the feedback pass is to count again
     void assignTextures(Frame& frame);
     void noteDynamic(const Frame& frame);
     void keepToBudget();
-    bool isSettled(const Frame& frame) const;
-    void chooseDetail(Frame& frame);
     void countLumels(const Frame& frame);
+    void countFrame(const Frame& frame);
     Frame makeFrame(const scene::Camera& camera, const Settings& settings, Targets& targets, uint32_t index);
     FrameStats renderFrame(const scene::Camera& camera);
     glm::mat4 clipFromWorld(const scene::Camera& camera) const;
     void begin(Frame& frame);
-    void finish(Frame& frame); // submits what is recorded, waits, and adds up the pass times
+    void finish(Frame& frame);        // submits what is recorded, waits, and adds up the pass times
+    void submitAndWait(Frame& frame); // the same, and goes on recording
     void writeView(Frame& frame, glm::vec2 shiftInPixels);
 
     const gpu::Device& device_;
     Settings settings_;
     Targets targets_;
-    GpuScene scene_;
+    SceneState scene_;
     ShadowPass shadow_;
     LitPool pool_;
     DeformPass deform_;
@@ -88,7 +94,7 @@ private:
     DisplayPass display_;
     std::unique_ptr<MeterPass> meter_; // made when first needed
     gpu::Timer timer_;
-    vk::raii::CommandBuffers commands_;
+    vk::raii::CommandBuffer commands_;
     FrameStats stats_;
     tsl::Residency residency_;
     std::optional<tsl::BudgetController> budget_;

@@ -1,7 +1,50 @@
-// What came of a frame: its picture, and what it did with each object.
+// Frame results: statistics, the picture, what was done with each object.
 #include "frame.h"
+#include <spdlog/spdlog.h>
 
 namespace lumel {
+
+void Renderer::countLumels(const Frame& frame)
+{
+    if (frame.feedback.empty()) { // settled
+        stats_.lumelsKept = known_.lumelsMarked;
+    } else {
+        const shared::Plan& plan = plan_.read();
+        if (plan.dropped > 0)
+            spdlog::error("{} entries found no room in the lists of tiles; report this", plan.dropped);
+        known_.lumelsMarked = plan.lumelsMarked;
+        known_.tilesMarked = plan.marked;
+        lumelsPending_ = plan.lumelsPending;
+        stats_.lumelsLit = plan.lumelsLit;
+        stats_.lumelsDerived = plan.lumelsDerived;
+        stats_.lumelsPending = plan.lumelsPending;
+        stats_.tilesLit = plan.tilesLit;
+        stats_.lumelsKept = plan.lumelsMarked - plan.lumelsLit - plan.lumelsDerived;
+    }
+    stats_.lumelsMarked = known_.lumelsMarked;
+    stats_.tilesMarked = known_.tilesMarked;
+    stats_.pixelsCovered = known_.pixelsCovered;
+    stats_.levelBias = residency_.levelBias();
+    stats_.levelOffset = detail_ ? detail_->levelOffset : 0.0f;
+    stats_.anisotropy = detail_ ? detail_->anisotropy : 1.0f;
+}
+
+void Renderer::countFrame(const Frame& frame)
+{
+    if (settings_.shading == Shading::tsl)
+        countLumels(frame);
+    stats_.exposure = settings_.exposure;
+    stats_.renderScale = quality_.renderScale;
+    stats_.budgetBias = quality_.levelBias;
+    stats_.lumelBudget = frame.lumelBudget;
+    stats_.poolUsedBytes = pool_.bookkeeping().usedBytes();
+    stats_.poolCapBytes = pool_.bookkeeping().capBytes();
+    stats_.poolTextures = pool_.bookkeeping().textureCount();
+    for (size_t i = 0; i < frame.inView.size(); ++i) {
+        const bool lit = i < residency_.objects().size() && residency_.objects()[i].texture;
+        ++(frame.inView[i] ? (lit ? stats_.objectsTsl : stats_.objectsForward) : stats_.objectsCulled);
+    }
+}
 
 std::vector<ObjectStats> Renderer::objectStats() const
 {

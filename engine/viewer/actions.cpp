@@ -5,7 +5,6 @@
 #include "core/file.h"
 #include "core/image.h"
 #include "gpu/shader_reload.h"
-#include "scene/environment.h"
 #include "scene/light_text.h"
 #include "scene/pick.h"
 #include "viewer.h"
@@ -92,8 +91,7 @@ void Viewer::replaceMaterial(const std::filesystem::path& file, glm::vec2 at, co
     for (scene::Material& other : changed->materials) // the option goes by name
         if (other.name == material.name)
             other.bakedFile = file;
-    pendingMaterial_ = {material.name, file};
-    loadingFile_ = arguments_.scene;
+    load_ = {.kind = Load::Kind::material, .file = file, .material = material.name};
     loader_.begin(arguments_.scene, bakeOptions(state_.sides[0].filter), changed);
 }
 
@@ -153,7 +151,7 @@ void Viewer::takeScreenshot(const char* extension)
 void Viewer::reloadShaders()
 {
     gpu::reloadShaders();
-    renderers_->restart(state_);
+    renderers_->restart();
     say("the shaders are compiled anew");
 }
 
@@ -171,144 +169,6 @@ void Viewer::toggleFullscreen()
     glfwGetWindowPos(window, &windowed_[0], &windowed_[1]);
     glfwGetWindowSize(window, &windowed_[2], &windowed_[3]);
     glfwSetWindowMonitor(window, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
-}
-
-scene::MaterialOptions Viewer::bakeOptions(baker::Method method) const
-{
-    return {.method = method,
-            .model = arguments_.model,
-            .useCache = arguments_.useCache,
-            .threads = arguments_.threads};
-}
-
-void Viewer::beginLoading(const std::filesystem::path& file)
-{
-    loadingFile_ = file;
-    pendingMaterial_ = {};
-    const bool first = !renderers_->scene();
-    loader_.begin(file, bakeOptions(state_.sides[0].filter), {}, [this, file, first](scene::Scene& scene) {
-        // Options that change a scene are about the one they came with.
-        if (first)
-            changeScene(arguments_, scene);
-        else
-            scene.environment = scene::chooseEnvironment("", scene);
-    });
-}
-
-void Viewer::finishLoading()
-{
-    report_.loading = loader_.busy() ? loader_.progress().label() : std::string();
-    report_.loadingShare = loader_.progress().share();
-    try {
-        const auto loaded = loader_.take();
-        if (!loaded)
-            return;
-        if (loadingFile_.empty()) {
-            renderers_->addMaterials(*loaded);
-            return;
-        }
-        const bool other = !renderers_->scene() || pendingMaterial_.first.empty();
-        const bool first = !renderers_->scene();
-        renderers_->setScene(*loaded, state_);
-        report_.scene = renderers_->scene().get();
-        report_.lumelGrids = renderers_->lumelGrids();
-        report_.inspection = {};
-        report_.residency.clear();
-        if (!other) {
-            renderers_->setEnvironment(environment_);
-            if (!state_.lightsEdited)
-                renderers_->setLights(state_.lights);
-            arguments_.materialFiles.push_back(pendingMaterial_);
-            say(fmt::format("{}: now the material '{}'", pendingMaterial_.second.filename().string(),
-                            pendingMaterial_.first));
-            return;
-        }
-        arguments_.scene = loadingFile_;
-        if (!first) {
-            // What was asked for on the command line was about the first scene.
-            arguments_.camera.clear();
-            arguments_.eye.reset();
-            arguments_.target.reset();
-            arguments_.lights = 0;
-            arguments_.lightList.clear();
-            arguments_.environment.clear();
-            state_.settings.ambient.reset();
-            arguments_.materialFiles.clear();
-        }
-        state_.lightsEdited = false;
-        state_.selected.reset();
-        const bool animated = renderers_->scene()->animation.seconds > 0.0;
-        state_.seconds = first && animated ? arguments_.seconds : std::nullopt;
-        state_.playing = animated && !state_.seconds;
-        played_ = state_.seconds.value_or(0.0);
-        environment_ = renderers_->scene()->environment;
-        state_.environment = !arguments_.environment.empty() ? arguments_.environment
-                             : environment_                  ? "sky"
-                                                             : "none";
-        environmentName_ = state_.environment;
-        if (!state_.exposureChosen) {
-            state_.settings.exposure = 1.0f;
-            state_.autoExposure = false;
-            exposureAsked_ = hasOwnLights(arguments_, *renderers_->scene());
-        }
-        adaptation_.reset();
-        resetView();
-    } catch (const Error& e) {
-        if (!renderers_->scene())
-            throw;
-        if (loadingFile_.empty()) // not to be tried again and again
-            state_.sides = {ui::Side{state_.sides[0].shading, renderers_->method(0)},
-                            ui::Side{state_.sides[1].shading, renderers_->method(0)}};
-        say(e.what(), true);
-    }
-}
-
-std::vector<scene::Light> Viewer::defaultLights() const
-{
-    const scene::Scene& scene = *renderers_->scene();
-    return scene.lights.empty() ? scene::lightsOf(environment_.get()) : scene.lights;
-}
-
-void Viewer::changeEnvironment()
-{
-    if (!renderers_->scene() || state_.environment == environmentName_)
-        return;
-    try {
-        environment_ = scene::chooseEnvironment(state_.environment, *renderers_->scene());
-    } catch (const Error& e) {
-        state_.environment = environmentName_;
-        say(e.what(), true);
-        return;
-    }
-    environmentName_ = arguments_.environment = state_.environment;
-    if (state_.environment == "none" && !state_.settings.ambient) // as for --environment none
-        state_.settings.ambient = 0.0f;
-    renderers_->setEnvironment(environment_);
-    if (state_.lightsEdited)
-        return;
-    state_.lights = defaultLights();
-    renderers_->setLights(state_.lights);
-}
-
-void Viewer::resetView()
-{
-    const scene::Scene& scene = *renderers_->scene();
-    arguments_.settings.size = state_.settings.size; // of the picture, which frames the scene
-    const ChosenCamera chosen = chooseCamera(arguments_, scene);
-    state_.camera.reset(chosen.camera, scene.bounds, !chosen.named);
-    state_.lights = defaultLights();
-    if (std::exchange(state_.lightsEdited, false))
-        renderers_->setLights(state_.lights);
-}
-
-void Viewer::loadMissing()
-{
-    if (loader_.busy() || !renderers_->scene())
-        return;
-    if (const auto method = renderers_->missing(state_)) {
-        loadingFile_.clear();
-        loader_.begin(arguments_.scene, bakeOptions(*method), renderers_->scene());
-    }
 }
 
 } // namespace lumel

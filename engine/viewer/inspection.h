@@ -1,7 +1,6 @@
-// One texel of a baked material, looked at: its lobe, the average that it stands for, LEAN's lobe with its
-// best Ks.
+// The texel under the cursor: which it is, what the baker says of it (baker/inspect.h).
 #pragma once
-#include "baker/bake.h"
+#include "baker/inspect.h"
 #include "scene/materials.h"
 #include <array>
 #include <atomic>
@@ -19,22 +18,14 @@ struct Texel {
     bool operator==(const Texel&) const = default;
 };
 
-// A square of the half-angle disc: side * side values of reflectance, row 0 on top (+y up, +x right).
-struct DiscPicture {
-    std::vector<float> values;
-    double error = 0.0; // relative to the energy of the average
-};
+using baker::DiscPicture;
 
-struct Inspection {
+struct Inspection : baker::TexelLobes {
     bool valid = false;
     Texel texel;
     std::string material;
     int width = 0, height = 0; // of the level
     std::array<float, baker::kChannels> baked{};
-    int side = 0;                                    // points of a picture's side
-    double centreX = 0.0, centreY = 0.0, half = 1.0; // the part of the disc that is shown
-    double peak = 1.0;                               // the largest value of the average
-    DiscPicture average, fit, lean;
 };
 
 // Works on a thread of its own: averages over thousands of texels take their time.

@@ -45,7 +45,15 @@ const ViewRenderers::Slot* ViewRenderers::rendererOf(size_t side) const
 std::shared_ptr<const std::vector<scene::BakedMaterial>> ViewRenderers::materials(baker::Method method) const
 {
     const auto found = materials_.find(method);
-    return found == materials_.end() ? nullptr : found->second;
+    return found == materials_.end() ? nullptr : found->second.baked;
+}
+
+SceneResources ViewRenderers::resourcesOf(baker::Method method)
+{
+    Bake& bake = materials_.at(method);
+    if (!bake.uploaded)
+        bake.uploaded = std::make_shared<const MaterialResources>(device_, *scene_, *bake.baked);
+    return {.geometry = geometry_, .materials = bake.uploaded, .environment = environment_};
 }
 
 void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& state)
@@ -53,7 +61,8 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     // Built beside the old renderers, so that a scene without room leaves these as they are.
     Settings settings = state.settings;
     settings.shading = Shading::forward;
-    Slot first{.renderer = std::make_unique<Renderer>(device_, *loaded.scene, *loaded.materials, settings),
+    const SceneResources resources = uploadScene(device_, *loaded.scene, *loaded.materials);
+    Slot first{.renderer = std::make_unique<Renderer>(device_, *loaded.scene, resources, settings),
                .method = loaded.options.method,
                .metered = {},
                .camera = {},
@@ -65,24 +74,10 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     playback_.reset();
     if (scene_->animation.seconds > 0.0)
         playback_.emplace(*scene_, scene::Camera{}, PathOptions{});
-    materials_ = {{loaded.options.method, loaded.materials}};
+    geometry_ = resources.geometry;
+    materials_ = {{loaded.options.method, {.baked = loaded.materials, .uploaded = resources.materials}}};
+    environment_ = resources.environment;
     lights_.reset();
-    environment_.reset();
-}
-
-void ViewRenderers::restart(const ui::ViewState& state)
-{
-    const auto any = materials_.begin();
-    scene::LoadedScene same{.scene = scene_, .materials = any->second, .options = {.method = any->first}};
-    const auto kept = materials_;
-    const auto environment = environment_;
-    const auto lights = lights_;
-    setScene(std::move(same), state);
-    materials_ = kept;
-    if (environment)
-        setEnvironment(*environment);
-    if (lights)
-        setLights(*lights);
 }
 
 std::optional<baker::Method> ViewRenderers::missing(const ui::ViewState& state) const
@@ -98,10 +93,8 @@ void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Metho
 {
     if (!slot.renderer || slot.method != method) {
         slot = {};
-        slot.renderer = std::make_unique<Renderer>(device_, *scene_, *materials_.at(method), settings);
+        slot.renderer = std::make_unique<Renderer>(device_, *scene_, resourcesOf(method), settings);
         slot.method = method;
-        if (environment_)
-            slot.renderer->setEnvironment(*environment_);
         if (lights_)
             slot.renderer->setLights(*lights_);
     }
@@ -149,10 +142,10 @@ void ViewRenderers::setLights(const std::vector<scene::Light>& lights)
 
 void ViewRenderers::setEnvironment(std::shared_ptr<const scene::Environment> environment)
 {
-    environment_ = environment;
+    environment_ = std::make_shared<const EnvironmentMap>(device_, environment.get());
     for (Slot& slot : slots_)
         if (slot.renderer) {
-            slot.renderer->setEnvironment(environment);
+            slot.renderer->setEnvironment(environment_);
             slot.rendered = false;
             slot.metered.reset();
         }

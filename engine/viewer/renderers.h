@@ -1,4 +1,5 @@
 // The viewer's renderers: one for each side of the split, one for the reference that both are measured by.
+// They share the scene's resources; sides of other filters have other materials.
 #pragma once
 #include "app/playback.h"
 #include "loader.h"
@@ -14,7 +15,10 @@ public:
     // when the new scene has no room.
     void setScene(scene::LoadedScene loaded, const ui::ViewState& state);
     // The materials of another method, for the same scene.
-    void addMaterials(scene::LoadedScene loaded) { materials_[loaded.options.method] = loaded.materials; }
+    void addMaterials(scene::LoadedScene loaded)
+    {
+        materials_[loaded.options.method] = {.baked = loaded.materials, .uploaded = {}};
+    }
     std::shared_ptr<const scene::Scene> scene() const { return scene_; }
     std::shared_ptr<const std::vector<scene::BakedMaterial>> materials(baker::Method method) const;
     // A method that a side asks for and that is not there yet.
@@ -35,7 +39,10 @@ public:
     std::vector<tsl::ObjectResidency> residency(size_t side) const;
     std::vector<glm::uvec2> lumelGrids() const;
 
-    float ambient() const { return slots_[0].renderer ? slots_[0].renderer->scene().skyRadiance().x : 0.0f; }
+    float ambient() const
+    {
+        return slots_[0].renderer ? slots_[0].renderer->scene().lights().skyRadiance().x : 0.0f;
+    }
 
     // The picture of a side, in use transferRead; null before the first one.
     const gpu::Image* picture(size_t side) const;
@@ -45,8 +52,8 @@ public:
     const Settings& settings(size_t side) const { return rendererOf(side)->renderer->settings(); }
     int samples(size_t side) const { return rendererOf(side)->renderer->samples(); }
     baker::Method method(size_t side) const { return rendererOf(side)->method; }
-    // Makes all pipelines anew.
-    void restart(const ui::ViewState& state);
+    // For shaders that have changed: the next frames are of new renderers.
+    void restart() { slots_ = {}; }
 
 private:
     struct Slot {
@@ -58,9 +65,15 @@ private:
         std::optional<double> seconds; // of the animation; nothing: as the file's nodes stand
         FrameStats stats;
     };
+    // The materials by one method.
+    struct Bake {
+        std::shared_ptr<const std::vector<scene::BakedMaterial>> baked;
+        std::shared_ptr<const MaterialResources> uploaded; // when first shown
+    };
     static constexpr size_t kReference = 2;
     Slot* rendererOf(size_t side);
     const Slot* rendererOf(size_t side) const;
+    SceneResources resourcesOf(baker::Method method); // of materials that are there
     void prepare(Slot& slot, const ui::ViewState& state, baker::Method method, const Settings& settings);
     // The slot of a side as the state asks for.
     Slot& prepareSide(const ui::ViewState& state, glm::uvec2 size, size_t side);
@@ -72,12 +85,13 @@ private:
     const gpu::Device& device_;
     std::shared_ptr<const scene::Scene> scene_;
     std::optional<Playback> playback_; // of a scene that is animated
-    std::map<baker::Method, std::shared_ptr<const std::vector<scene::BakedMaterial>>> materials_;
+    std::shared_ptr<const GeometryResources> geometry_;
+    std::map<baker::Method, Bake> materials_;
+    std::shared_ptr<const EnvironmentMap> environment_; // the scene's, until another is set
     std::array<Slot, 3> slots_;
     std::array<bool, 2> isReference_{}; // what the sides show
     // That the renderers have; nothing: the scene's.
     std::optional<std::vector<scene::Light>> lights_;
-    std::optional<std::shared_ptr<const scene::Environment>> environment_;
     int measuredSamples_ = 0;
     bool finished_ = false;
 };

@@ -53,6 +53,10 @@ private:
     // Loading.
     void beginLoading(const std::filesystem::path& file);
     void finishLoading();
+    void take(const scene::LoadedScene& loaded);
+    void beginView(bool first);
+    void keepView();
+    void forgetSceneOptions();
     void resetView();
     void changeEnvironment();                        // to what the panels ask for
     std::vector<scene::Light> defaultLights() const; // of the scene, or of its environment
@@ -72,9 +76,15 @@ private:
     ui::Inspector inspector_;
     ui::ViewState state_;
     ui::ViewReport report_;
-    std::filesystem::path loadingFile_; // empty: materials of the scene that is shown
-    std::pair<std::string, std::filesystem::path> pendingMaterial_; // name, baked file
-    std::shared_ptr<const scene::Environment> environment_;         // as shown
+    // What the loader is at work on.
+    struct Load {
+        // Another scene; a material of the one that is shown, replaced; its materials by another filter.
+        enum class Kind { scene, material, filter } kind = Kind::scene;
+        std::filesystem::path file; // the scene, or the material's baked one
+        std::string material;       // its name
+    };
+    Load load_;
+    std::shared_ptr<const scene::Environment> environment_; // as shown
     std::string environmentName_;
     int screenshots_ = 0;
     ExposureAdaptation adaptation_;

@@ -129,7 +129,7 @@ TEST_F(Environment, AShadowFollowsWhatCastsIt)
     renderer.setSettings(brighter);
     EXPECT_GT(renderer.render(camera).lumelsLit, 0u);
     EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, brighter).display), 50.0);
-    renderer.setEnvironment(nullptr);
+    renderer.setEnvironment(std::make_shared<const EnvironmentMap>(device(), nullptr));
     renderer.render(camera);
     s.scene.environment = nullptr;
     EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, brighter).display), 50.0);

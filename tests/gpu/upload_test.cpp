@@ -2,6 +2,7 @@
 #include "gpu/barrier.h"
 #include "gpu/pipeline.h"
 #include "gpu/resource.h"
+#include "gpu/sampler.h"
 #include "test_scene.h"
 
 using namespace lumel;
@@ -38,7 +39,7 @@ TEST_F(UploadTest, ComputeReadsWhatWasJustUploaded)
                             .height = 1,
                             .usage = Usage::eStorage | Usage::eTransferSrc},
                            "shown");
-    const vk::raii::Sampler sampler(device().handle(), vk::SamplerCreateInfo{});
+    const vk::raii::Sampler sampler = gpu::makeSampler(device());
     gpu::writeUniform(device(), *frameSet, 0, view.handle());
     gpu::writeSampled(device(), *set, 0, *sampler, source.view());
     gpu::writeStorage(device(), *set, 1, shown.view());

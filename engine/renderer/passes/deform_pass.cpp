@@ -7,7 +7,7 @@ void DeformPass::record(Frame& frame)
 {
     DeformedMeshes& meshes = frame.scene.deformedMeshes();
     std::vector<uint8_t> wanted(meshes.items().size(), 0);
-    const bool shadows = !frame.scene.shadows().empty();
+    const bool shadows = !frame.scene.lights().shadows().empty();
     for (size_t i = 0; i < frame.inView.size(); ++i) {
         const GpuObject& object = frame.scene.objects()[i];
         // What is out of view may cast its shadow into it.
@@ -17,7 +17,7 @@ void DeformPass::record(Frame& frame)
     if (std::none_of(wanted.begin(), wanted.end(), [](uint8_t is) { return is != 0; }))
         return;
     if (!*pipeline_.handle)
-        pipeline_ = gpu::makeComputePipeline(frame.device, "deform.comp", {*frame.scene.frameLayout()},
+        pipeline_ = gpu::makeComputePipeline(frame.device, "deform.comp", {*frame.scene.frameSet().layout()},
                                              sizeof(shared::DeformPush));
     const PassScope scope(frame, "deform");
     bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline_);

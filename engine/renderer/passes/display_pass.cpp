@@ -1,4 +1,5 @@
 #include "display_pass.h"
+#include "gpu/sampler.h"
 
 namespace lumel {
 namespace {
@@ -11,20 +12,18 @@ void dispatchOver(vk::CommandBuffer commands, glm::uvec2 pixels)
 
 } // namespace
 
-DisplayPass::DisplayPass(const gpu::Device& device, const GpuScene& scene, const Targets& targets)
-    : sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
-                                 .addressModeU = vk::SamplerAddressMode::eClampToEdge,
-                                 .addressModeV = vk::SamplerAddressMode::eClampToEdge}),
+DisplayPass::DisplayPass(const gpu::Device& device, const SceneState& scene, const Targets& targets)
+    : sampler_(gpu::makeSampler(device)),
       accumulateLayout_(
           gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
       displayLayout_(gpu::makeSetLayout(
           device, {vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eStorageImage})),
       accumulate_(gpu::makeComputePipeline(device, "accumulate.comp",
-                                           {*scene.frameLayout(), *accumulateLayout_},
+                                           {*scene.frameSet().layout(), *accumulateLayout_},
                                            sizeof(shared::DisplayPush))),
-      display_(gpu::makeComputePipeline(device, "display.comp", {*scene.frameLayout(), *displayLayout_},
+      display_(gpu::makeComputePipeline(device, "display.comp", {*scene.frameSet().layout(), *displayLayout_},
                                         sizeof(shared::DisplayPush))),
-      upscale_(gpu::makeComputePipeline(device, "upscale.comp", {*scene.frameLayout(), *displayLayout_},
+      upscale_(gpu::makeComputePipeline(device, "upscale.comp", {*scene.frameSet().layout(), *displayLayout_},
                                         sizeof(shared::ScalePush)))
 {
     connect(device, targets);

@@ -7,7 +7,7 @@ namespace lumel {
 
 class DisplayPass {
 public:
-    DisplayPass(const gpu::Device& device, const GpuScene& scene, const Targets& targets);
+    DisplayPass(const gpu::Device& device, const SceneState& scene, const Targets& targets);
     void connect(const gpu::Device& device, const Targets& targets); // to targets of another size
     void clearSum(Frame& frame);
     void resumeSum(Frame& frame);               // after record(): more is to be added

@@ -1,4 +1,5 @@
 #include "draw_pass.h"
+#include "renderer/resources/culling.h"
 #include "vertex_input.h"
 #include <algorithm>
 #include <ranges>
@@ -22,7 +23,7 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
             meshAttributes({shared::kAttributePosition, shared::kAttributeNormal, shared::kAttributeTangent,
                             shared::kAttributeUv, shared::kAttributeMaterialUv, shared::kAttributeWorld,
                             shared::kAttributeWorldNormal}),
-        .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
+        .sets = {*frame.scene.frameSet().layout(), *frame.scene.materialLayout()},
         .pushBytes = sizeof(shared::ForwardPush),
         .samples = multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1,
         .features = features,
@@ -33,14 +34,14 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
         info.fragment = "draw.frag";
         info.attributes =
             meshAttributes({shared::kAttributePosition, shared::kAttributeUv, shared::kAttributeWorld});
-        info.sets = {*frame.scene.frameLayout(), *pool.layout()};
+        info.sets = {*frame.scene.frameSet().layout(), *pool.layout()};
         info.pushBytes = sizeof(shared::LitPush);
     } else if (kind == Kind::background) {
         info.vertex = "background.vert";
         info.fragment = "background.frag";
         info.bindings = {};
         info.attributes = {};
-        info.sets = {*frame.scene.frameLayout()};
+        info.sets = {*frame.scene.frameSet().layout()};
         info.pushBytes = 0;
         info.background = true;
     } else if (kind == Kind::view) {
@@ -51,7 +52,7 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
         info.attributes = {};
         info.vertex = "pool.vert";
         info.fragment = "pool.frag";
-        info.sets = {*frame.scene.frameLayout(), *pool.layout()};
+        info.sets = {*frame.scene.frameSet().layout(), *pool.layout()};
         info.pushBytes = sizeof(shared::PoolPush);
     }
     return pipeline = gpu::makeGraphicsPipeline(frame.device, info);
@@ -78,7 +79,7 @@ void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
         .tileOffsets = {}};
     std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), push.tileOffsets);
     pushConstants(commands, lit, push);
-    frame.scene.drawTriangles(commands, object);
+    drawTriangles(frame, object);
 }
 
 void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, float opacity)
@@ -93,9 +94,9 @@ void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, flo
                                       .level = frame.settings.shading == Shading::reference ? 0.0f : -1.0f,
                                       .frame = frame.index},
                              .lights = {}};
-    std::ranges::copy(frame.scene.lightsReaching(object), push.lights);
+    std::ranges::copy(lightsReaching(o, frame.scene.lights().table()), push.lights);
     pushConstants(commands, forward, push);
-    frame.scene.drawTriangles(commands, object);
+    drawTriangles(frame, object);
 }
 
 void DrawPass::drawBackground(Frame& frame, const LitPool& pool)
@@ -115,7 +116,7 @@ void DrawPass::drawView(Frame& frame, const LitPool& pool, size_t object)
         shared::ViewPush{
             .draw = {.object = uint32_t(object), .opacity = 1.0f, .level = -1.0f, .frame = frame.index},
             .kind = uint32_t(frame.settings.view)});
-    frame.scene.drawTriangles(frame.commands, object);
+    drawTriangles(frame, object);
 }
 
 void DrawPass::drawPool(Frame& frame, const LitPool& pool)
@@ -174,27 +175,26 @@ std::vector<size_t> DrawPass::nearestFirst(const Frame& frame)
     return objects;
 }
 
-void DrawPass::record(Frame& frame, const LitPool& pool)
+void DrawPass::begin(Frame& frame)
 {
-    const PassScope scope(frame, "draw");
     const vk::CommandBuffer commands = frame.commands;
-    Targets& targets = frame.targets;
-    const bool multisampling = bool(targets.multisampled);
-    const vk::Extent2D extent{frame.renderSize.x, frame.renderSize.y};
-    gpu::imageBarrier(commands, targets.hdr.handle(), targets.hdr.aspect(), gpu::Use::undefined,
-                      gpu::Use::colorWrite);
-    gpu::imageBarrier(commands, targets.depth.handle(), targets.depth.aspect(), gpu::Use::undefined,
-                      gpu::Use::depthWrite);
+    const Targets& targets = frame.targets;
+    const auto discard = [&](const gpu::Image& image, gpu::Use use) {
+        gpu::imageBarrier(commands, image.handle(), image.aspect(), gpu::Use::undefined, use);
+    };
+    discard(targets.hdr, gpu::Use::colorWrite);
+    discard(targets.depth, gpu::Use::depthWrite);
+    const vk::Extent2D extent{frame.renderSize.x, frame.renderSize.y}; // a part of the targets
     vk::RenderingAttachmentInfo color{.imageView = targets.hdr.view(),
                                       .imageLayout = vk::ImageLayout::eColorAttachmentOptimal,
                                       .loadOp = vk::AttachmentLoadOp::eClear,
                                       .storeOp = vk::AttachmentStoreOp::eStore};
     // The background is the ambient light at its horizon. Alpha tells that nothing is there.
-    const glm::vec3 horizon = 0.5f * (frame.scene.skyRadiance() + frame.scene.groundRadiance());
+    const SceneLights& lights = frame.scene.lights();
+    const glm::vec3 horizon = 0.5f * (lights.skyRadiance() + lights.groundRadiance());
     color.clearValue = vk::ClearColorValue(std::array<float, 4>{horizon.r, horizon.g, horizon.b, 0.0f});
-    if (multisampling) {
-        gpu::imageBarrier(commands, targets.multisampled.handle(), targets.multisampled.aspect(),
-                          gpu::Use::undefined, gpu::Use::colorWrite);
+    if (targets.multisampled) {
+        discard(targets.multisampled, gpu::Use::colorWrite);
         // Resolved in linear light, like the reference's samples.
         color.imageView = targets.multisampled.view();
         color.storeOp = vk::AttachmentStoreOp::eDontCare;
@@ -213,21 +213,16 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
                              .pColorAttachments = &color,
                              .pDepthAttachment = &depth});
     setViewport(commands, extent);
+}
 
-    if (frame.settings.view == View::pool) {
-        drawPool(frame, pool);
-        commands.endRendering();
-        return;
-    }
+void DrawPass::drawObjects(Frame& frame, const LitPool& pool)
+{
     std::vector<size_t> blended, fading; // fading: between lit texture and forward
-    const auto& objects = frame.scene.objects();
     const auto& residency = frame.residency.objects();
     for (const size_t i : nearestFirst(frame)) {
         const bool lit =
             frame.settings.shading == Shading::tsl && i < residency.size() && residency[i].texture;
-        if (frame.settings.view != View::none) {
-            drawView(frame, pool, i);
-        } else if (objects[i].blend) {
+        if (frame.scene.objects()[i].blend) {
             blended.push_back(i);
         } else if (lit) {
             drawLit(frame, pool, i);
@@ -237,13 +232,26 @@ void DrawPass::record(Frame& frame, const LitPool& pool)
             drawForward(frame, pool, i, 1.0f);
         }
     }
-    if ((frame.scene.features() & shared::kFeatureEnvironment) && frame.settings.view == View::none)
+    if (frame.scene.features() & shared::kFeatureEnvironment)
         drawBackground(frame, pool); // where no depth is
     for (const size_t object : fading)
         drawForward(frame, pool, object, 1.0f - residency[object].share);
     for (const size_t object : blended | std::views::reverse)
         drawForward(frame, pool, object, 1.0f);
-    commands.endRendering();
+}
+
+void DrawPass::record(Frame& frame, const LitPool& pool)
+{
+    const PassScope scope(frame, "draw");
+    begin(frame);
+    if (frame.settings.view == View::none)
+        drawObjects(frame, pool);
+    else if (frame.settings.view == View::pool)
+        drawPool(frame, pool);
+    else
+        for (const size_t object : nearestFirst(frame))
+            drawView(frame, pool, object);
+    frame.commands.endRendering();
 }
 
 } // namespace lumel

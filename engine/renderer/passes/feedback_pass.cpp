@@ -27,7 +27,7 @@ glm::vec2 jitterInPixels(uint64_t frame)
 
 } // namespace
 
-FeedbackPass::FeedbackPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& scene)
+FeedbackPass::FeedbackPass(const gpu::Device& device, glm::uvec2 size, const SceneState& scene)
     : layout_(gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage})),
       set_(gpu::makeSet(device, layout_)),
       raster_(gpu::makeGraphicsPipeline(
@@ -36,10 +36,10 @@ FeedbackPass::FeedbackPass(const gpu::Device& device, glm::uvec2 size, const Gpu
                    .bindings = kMeshBindings,
                    .attributes = meshAttributes(
                        {shared::kAttributePosition, shared::kAttributeUv, shared::kAttributeWorld}),
-                   .sets = {*scene.frameLayout()},
+                   .sets = {*scene.frameSet().layout()},
                    .pushBytes = sizeof(shared::FeedbackPush),
                    .color = vk::Format::eR32G32B32A32Uint})),
-      count_(gpu::makeComputePipeline(device, "feedback.comp", {*scene.frameLayout(), *layout_},
+      count_(gpu::makeComputePipeline(device, "feedback.comp", {*scene.frameSet().layout(), *layout_},
                                       sizeof(shared::FeedbackPush))),
       objects_(device, scene.objects().size() * sizeof(shared::ObjectFeedback),
                gpu::Buffer::MemoryUsage::host, "feedback"),
@@ -100,7 +100,7 @@ const gpu::Pipeline& FeedbackPass::maskPipeline(const Frame& frame, const GpuObj
              .bindings = kMeshBindings,
              .attributes = meshAttributes({shared::kAttributePosition, shared::kAttributeUv,
                                            shared::kAttributeMaterialUv, shared::kAttributeWorld}),
-             .sets = {*frame.scene.frameLayout(), *frame.scene.materialLayout()},
+             .sets = {*frame.scene.frameSet().layout(), *frame.scene.materialLayout()},
              .pushBytes = sizeof(shared::FeedbackPush),
              .color = vk::Format::eR32G32B32A32Uint,
              .features = features});
@@ -124,7 +124,7 @@ void FeedbackPass::drawObjects(Frame& frame, bool everyPixel)
     const auto draw = [&](const gpu::Pipeline& pipeline, size_t object) {
         push.object = uint32_t(object);
         pushConstants(frame.commands, pipeline, push);
-        frame.scene.drawTriangles(frame.commands, object);
+        drawTriangles(frame, object);
     };
     bindSets(frame, vk::PipelineBindPoint::eGraphics, raster_);
     for (size_t i = 0; i < frame.inView.size(); ++i) {

@@ -11,7 +11,7 @@ public:
     static constexpr uint32_t kDivisor = 4;
     // Frames after which the sub-pixel offsets have met every pixel.
     static constexpr uint32_t kCycle = kDivisor * kDivisor;
-    FeedbackPass(const gpu::Device& device, glm::uvec2 size, const GpuScene& scene);
+    FeedbackPass(const gpu::Device& device, glm::uvec2 size, const SceneState& scene);
     void resize(const gpu::Device& device, glm::uvec2 size);
     // everyPixel: full resolution, for the first frame of a view that nothing is known of.
     void record(Frame& frame, bool everyPixel);

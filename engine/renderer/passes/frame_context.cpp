@@ -2,68 +2,10 @@
 
 namespace lumel {
 
-namespace {
-
-struct Target {
-    gpu::Image Targets::*image;
-    gpu::ImageInfo info;
-    const char* name;
-};
-
-std::vector<Target> targetsOf(const Settings& settings)
-{
-    using Usage = vk::ImageUsageFlagBits;
-    const bool multisampling = settings.msaa > 1 && settings.shading != Shading::reference;
-    const auto samples = multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1;
-    std::vector<Target> targets;
-    const auto add = [&](gpu::Image Targets::*image, const char* name, vk::ImageUsageFlags usage,
-                         vk::Format format = vk::Format::eR16G16B16A16Sfloat,
-                         vk::SampleCountFlagBits count = vk::SampleCountFlagBits::e1) {
-        targets.push_back({image,
-                           {.format = format,
-                            .width = settings.size.x,
-                            .height = settings.size.y,
-                            .usage = usage,
-                            .samples = count,
-                            .remedy = "use a smaller --size"},
-                           name});
-    };
-    add(&Targets::hdr, "hdr",
-        Usage::eColorAttachment | Usage::eSampled | Usage::eStorage | Usage::eTransferSrc);
-    add(&Targets::depth, "depth", Usage::eDepthStencilAttachment, vk::Format::eD32Sfloat, samples);
-    if (multisampling)
-        add(&Targets::multisampled, "multisampled", Usage::eColorAttachment, vk::Format::eR16G16B16A16Sfloat,
-            samples);
-    if (settings.shading == Shading::reference)
-        add(&Targets::sum, "reference sum",
-            Usage::eStorage | Usage::eSampled | Usage::eTransferSrc | Usage::eTransferDst,
-            vk::Format::eR32G32B32A32Sfloat);
-    if (settings.budgetMs > 0.0) {
-        add(&Targets::small, "small picture", Usage::eStorage | Usage::eSampled);
-        add(&Targets::wide, "wide picture", Usage::eStorage | Usage::eSampled);
-    }
-    add(&Targets::display, "display", Usage::eStorage | Usage::eTransferSrc, vk::Format::eR8G8B8A8Unorm);
-    return targets;
-}
-
-} // namespace
-
-Targets::Targets(const gpu::Device& device, const Settings& settings)
-{
-    for (const Target& target : targetsOf(settings))
-        this->*target.image = gpu::Image(device, target.info, target.name);
-}
-
-void Targets::check(const gpu::Device& device, const Settings& settings)
-{
-    for (const Target& target : targetsOf(settings))
-        gpu::checkImage(device, target.info);
-}
-
 void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
               std::initializer_list<vk::DescriptorSet> sets)
 {
-    std::vector<vk::DescriptorSet> all{frame.scene.frameSet()};
+    std::vector<vk::DescriptorSet> all{frame.scene.frameSet().handle()};
     all.insert(all.end(), sets);
     frame.commands.bindPipeline(point, *pipeline.handle);
     frame.commands.bindDescriptorSets(point, *pipeline.layout, 0, all, nullptr);
@@ -75,6 +17,19 @@ void setViewport(vk::CommandBuffer commands, vk::Extent2D extent)
         0, vk::Viewport{
                .width = float(extent.width), .height = float(extent.height), .minDepth = 0, .maxDepth = 1});
     commands.setScissor(0, vk::Rect2D{{0, 0}, extent});
+}
+
+void drawTriangles(Frame& frame, size_t object)
+{
+    const GpuObject& o = frame.scene.objects()[object];
+    const vk::CommandBuffer commands = frame.commands;
+    commands.setCullMode(o.data.flags & shared::kObjectDoubleSided ? vk::CullModeFlagBits::eNone
+                                                                   : vk::CullModeFlagBits::eBack);
+    commands.setFrontFace(o.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
+    // Indexed, so that a vertex which triangles share is transformed once.
+    commands.bindIndexBuffer(o.indices, 0, vk::IndexType::eUint32);
+    commands.bindVertexBuffers(0, {o.vertices, frame.scene.objectTable().handle()}, {0, 0});
+    commands.drawIndexed(o.indexCount, 1, 0, 0, uint32_t(object));
 }
 
 } // namespace lumel

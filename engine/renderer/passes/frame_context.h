@@ -2,32 +2,18 @@
 #pragma once
 #include "gpu/barrier.h"
 #include "gpu/timer.h"
-#include "gpu_scene.h"
-#include "renderer/settings.h"
+#include "renderer/resources/scene_state.h"
+#include "renderer/resources/targets.h"
 #include "tsl/detail.h"
+#include "tsl/residency.h"
 
 namespace lumel {
-
-// Render targets of one picture size.
-struct Targets {
-    Targets(const gpu::Device& device, const Settings& settings);
-    // Throws Error when the device has no such images.
-    static void check(const gpu::Device& device, const Settings& settings);
-    gpu::Image hdr;          // linear radiance and coverage, RGBA16F, one sample a pixel
-    gpu::Image depth;        // D32, as many samples as the draw pass
-    gpu::Image multisampled; // RGBA16F, only with msaa > 1
-    gpu::Image sum;          // RGBA32F, reference only
-    // Of a frame that is drawn smaller than it is shown, RGBA16F, sRGB encoded: as drawn, and as wide as
-    // shown.
-    gpu::Image small, wide;
-    gpu::Image display; // RGBA8, sRGB encoded
-};
 
 struct Frame {
     const gpu::Device& device;
     vk::CommandBuffer commands;
     gpu::Timer& timer;
-    GpuScene& scene;
+    SceneState& scene;
     Targets& targets;
     const Settings& settings;
     glm::uvec2 renderSize{0}; // pixels: a part of the targets, upscaled when it is not all
@@ -73,6 +59,9 @@ void pushConstants(vk::CommandBuffer commands, const gpu::Pipeline& pipeline, co
 // Set 0 of every pipeline is the frame's view and lights; `sets` follow.
 void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
               std::initializer_list<vk::DescriptorSet> sets = {});
+
+// Draws an object's triangles with the bound pipeline, its winding and culling set.
+void drawTriangles(Frame& frame, size_t object);
 
 // Over a list, for shaders that include lib/rows.glsl.
 inline void dispatchList(vk::CommandBuffer commands, uint32_t invocations)

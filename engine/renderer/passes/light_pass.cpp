@@ -2,8 +2,8 @@
 
 namespace lumel {
 
-LightPass::LightPass(const gpu::Device& device, const GpuScene& scene, const LitPool& pool)
-    : lower_(gpu::makeComputePipeline(device, "lower.comp", {*scene.frameLayout(), *pool.layout()},
+LightPass::LightPass(const gpu::Device& device, const SceneState& scene, const LitPool& pool)
+    : lower_(gpu::makeComputePipeline(device, "lower.comp", {*scene.frameSet().layout(), *pool.layout()},
                                       sizeof(shared::LightPush)))
 {
 }
@@ -15,7 +15,7 @@ const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool&
     if (!*pipeline.handle)
         pipeline = gpu::makeComputePipeline(
             frame.device, "light.comp",
-            {*frame.scene.frameLayout(), *frame.scene.materialLayout(), *pool.layout()},
+            {*frame.scene.frameSet().layout(), *frame.scene.materialLayout(), *pool.layout()},
             sizeof(shared::LightPush), features);
     return pipeline;
 }

@@ -8,7 +8,7 @@ namespace lumel {
 
 class LightPass {
 public:
-    LightPass(const gpu::Device& device, const GpuScene& scene, const LitPool& pool);
+    LightPass(const gpu::Device& device, const SceneState& scene, const LitPool& pool);
     void recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan);
     void recordLower(Frame& frame, const LitPool& pool, const PlanPass& plan);
 

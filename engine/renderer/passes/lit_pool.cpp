@@ -1,4 +1,5 @@
 #include "lit_pool.h"
+#include "gpu/sampler.h"
 
 namespace lumel {
 
@@ -6,10 +7,7 @@ LitPool::LitPool(const gpu::Device& device, size_t capBytes)
     : device_(device), pool_(capBytes),
       layout_(gpu::makeSetLayout(
           device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eCombinedImageSampler})),
-      sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
-                                 .minFilter = vk::Filter::eLinear,
-                                 .addressModeU = vk::SamplerAddressMode::eClampToEdge,
-                                 .addressModeV = vk::SamplerAddressMode::eClampToEdge})
+      sampler_(gpu::makeSampler(device))
 {
 }
 

@@ -1,12 +1,13 @@
 #include "meter_pass.h"
+#include "gpu/sampler.h"
 
 namespace lumel {
 
-MeterPass::MeterPass(const gpu::Device& device, const GpuScene& scene)
-    : sampler_(device.handle(), vk::SamplerCreateInfo{}),
+MeterPass::MeterPass(const gpu::Device& device, const SceneState& scene)
+    : sampler_(gpu::makeSampler(device, {.filter = vk::Filter::eNearest})),
       layout_(gpu::makeSetLayout(device, {vk::DescriptorType::eCombinedImageSampler})),
       set_(gpu::makeSet(device, layout_)),
-      pipeline_(gpu::makeComputePipeline(device, "meter.comp", {*scene.frameLayout(), *layout_},
+      pipeline_(gpu::makeComputePipeline(device, "meter.comp", {*scene.frameSet().layout(), *layout_},
                                          sizeof(shared::MeterPush))),
       histogram_(device, sizeof(LuminanceHistogram), gpu::Buffer::MemoryUsage::host, "luminance histogram")
 {

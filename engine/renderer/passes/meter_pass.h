@@ -7,7 +7,7 @@ namespace lumel {
 
 class MeterPass {
 public:
-    MeterPass(const gpu::Device& device, const GpuScene& scene);
+    MeterPass(const gpu::Device& device, const SceneState& scene);
     // hdr's part of renderSize, just drawn: what is covered by a surface or the environment.
     void record(Frame& frame);
     LuminanceHistogram read() const; // after the recorded commands have finished

@@ -21,15 +21,15 @@ float reachOf(DrawFilter filter)
 
 } // namespace
 
-PlanPass::PlanPass(const gpu::Device& device, const GpuScene& scene, const FeedbackPass& feedback)
-    : mark_(gpu::makeComputePipeline(device, "mark.comp", {*scene.frameLayout(), *feedback.layout()},
+PlanPass::PlanPass(const gpu::Device& device, const SceneState& scene, const FeedbackPass& feedback)
+    : mark_(gpu::makeComputePipeline(device, "mark.comp", {*scene.frameSet().layout(), *feedback.layout()},
                                      sizeof(shared::PlanPush))),
-      classify_(gpu::makeComputePipeline(device, "classify.comp", {*scene.frameLayout()},
+      classify_(gpu::makeComputePipeline(device, "classify.comp", {*scene.frameSet().layout()},
                                          sizeof(shared::PlanPush))),
-      budget_(
-          gpu::makeComputePipeline(device, "budget.comp", {*scene.frameLayout()}, sizeof(shared::PlanPush))),
-      select_(
-          gpu::makeComputePipeline(device, "select.comp", {*scene.frameLayout()}, sizeof(shared::PlanPush))),
+      budget_(gpu::makeComputePipeline(device, "budget.comp", {*scene.frameSet().layout()},
+                                       sizeof(shared::PlanPush))),
+      select_(gpu::makeComputePipeline(device, "select.comp", {*scene.frameSet().layout()},
+                                       sizeof(shared::PlanPush))),
       plan_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::device, "plan"),
       readback_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::host, "plan readback")
 {
@@ -101,7 +101,28 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
     reserve(frame.device, jobs_, table.size() * sizeof(shared::Job), MemoryUsage::device, "jobs");
     reserve(frame.device, upload_, table.size() * sizeof(shared::Job), MemoryUsage::host, "jobs upload");
     std::memcpy(upload_.mapped<void>(), table.data(), table.size() * sizeof(shared::Job));
-    frame.scene.writeObjects(frame.residency, pool, jobs);
+    writeObjects(frame, pool, jobs);
+}
+
+// The object table, with the lit textures and where their tiles are listed.
+void PlanPass::writeObjects(Frame& frame, const LitPool& pool, const std::vector<ObjectJobs>& jobs)
+{
+    const std::span<shared::Object> table = frame.scene.writeObjects();
+    for (size_t i = 0; i < table.size(); ++i) {
+        const tsl::ObjectResidency& resident = frame.residency.objects()[i];
+        if (!resident.texture)
+            continue;
+        const LitBlock& block = pool.block(resident.texture);
+        shared::Object& object = table[i];
+        object.mips = block.layout.mips;
+        object.layer = resident.texture.layer;
+        object.litLevel = resident.litLevel;
+        object.finest = resident.finest;
+        object.lightJob = jobs[i].light;
+        object.lowerJob = jobs[i].lower;
+        std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), object.tileOffsets);
+        object.tiles = block.states.address() + block.stateOffset(resident.texture.layer);
+    }
 }
 
 shared::LightPush PlanPass::push(const Frame& frame, uint32_t job) const

@@ -21,7 +21,7 @@ public:
         std::vector<uint32_t> capacity; // tiles, by MIP from 1
     };
 
-    PlanPass(const gpu::Device& device, const GpuScene& scene, const FeedbackPass& feedback);
+    PlanPass(const gpu::Device& device, const SceneState& scene, const FeedbackPass& feedback);
     // Sorts the frame's objects into jobs and writes the object table. Call when no frame is in flight.
     void prepare(Frame& frame, const LitPool& pool);
     void record(Frame& frame, const FeedbackPass& feedback);
@@ -38,6 +38,10 @@ public:
     vk::Buffer jobBuffer() const { return jobs_.handle(); }
 
 private:
+    struct ObjectJobs { // that an object's tiles belong to
+        uint32_t light = 0, lower = 0;
+    };
+    static void writeObjects(Frame& frame, const LitPool& pool, const std::vector<ObjectJobs>& jobs);
     uint32_t lightJobOf(const GpuObject& object, int block);
     uint32_t lowerJobOf(int block, uint32_t tail);
 

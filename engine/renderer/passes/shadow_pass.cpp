@@ -1,4 +1,6 @@
 #include "shadow_pass.h"
+#include "gpu/sampler.h"
+#include "renderer/resources/culling.h"
 #include "vertex_input.h"
 #include <algorithm>
 #include <array>
@@ -102,16 +104,9 @@ gpu::ImageInfo shadowMapInfo(uint32_t size, uint32_t layers)
             .remedy = "use a smaller --shadow-size"};
 }
 
-ShadowPass::ShadowPass(const gpu::Device& device, GpuScene& scene)
+ShadowPass::ShadowPass(const gpu::Device& device, SceneState& scene)
     : viewLayout_(gpu::makeSetLayout(device, {vk::DescriptorType::eUniformBuffer})),
-      viewSet_(gpu::makeSet(device, viewLayout_)),
-      sampler_(device.handle(), {.magFilter = vk::Filter::eLinear,
-                                 .minFilter = vk::Filter::eLinear,
-                                 .addressModeU = vk::SamplerAddressMode::eClampToBorder,
-                                 .addressModeV = vk::SamplerAddressMode::eClampToBorder,
-                                 .compareEnable = VK_TRUE,
-                                 .compareOp = vk::CompareOp::eGreaterOrEqual,
-                                 .borderColor = vk::BorderColor::eFloatOpaqueBlack}), // infinitely far: lit
+      viewSet_(gpu::makeSet(device, viewLayout_)), sampler_(gpu::makeShadowSampler(device)),
       solid_(gpu::makeGraphicsPipeline(device, {.vertex = "shadow.vert",
                                                 .bindings = kMeshBindings,
                                                 .attributes = attributes(),
@@ -119,11 +114,11 @@ ShadowPass::ShadowPass(const gpu::Device& device, GpuScene& scene)
                                                 .pushBytes = sizeof(shared::ShadowPush),
                                                 .color = vk::Format::eUndefined}))
 {
-    gpu::writeUniform(device, *viewSet_, 0, scene.viewBuffer());
+    gpu::writeUniform(device, *viewSet_, 0, scene.frameSet().viewBuffer());
     allocate(device, scene, 1, 1);
 }
 
-void ShadowPass::allocate(const gpu::Device& device, GpuScene& scene, uint32_t size, uint32_t layers)
+void ShadowPass::allocate(const gpu::Device& device, SceneState& scene, uint32_t size, uint32_t layers)
 {
     if (maps_ && maps_.info().width == size && maps_.info().layers == layers)
         return;
@@ -142,10 +137,11 @@ void ShadowPass::allocate(const gpu::Device& device, GpuScene& scene, uint32_t s
         gpu::imageBarrier(commands, maps_.handle(), maps_.aspect(), gpu::Use::transferWrite,
                           gpu::Use::shaderSample);
     });
-    scene.bindShadows(device, *sampler_, maps_.view());
+    scene.frameSet().bindShadows(device, *sampler_, maps_.view());
 }
 
-void ShadowPass::prepare(const gpu::Device& device, GpuScene& scene, const Settings& settings, uint32_t frame)
+void ShadowPass::prepare(const gpu::Device& device, SceneState& scene, const Settings& settings,
+                         uint32_t frame)
 {
     uint32_t moved = 0;
     for (const GpuObject& object : scene.objects()) {
@@ -158,25 +154,25 @@ void ShadowPass::prepare(const gpu::Device& device, GpuScene& scene, const Setti
     }
     std::vector<uint32_t> chosen;
     if (settings.shadows && !bounds_.empty())
-        chosen = chooseLights(scene.lights(), bounds_);
+        chosen = chooseLights(scene.lights().table(), bounds_);
     if (!chosen.empty())
         allocate(device, scene, settings.shadowSize, uint32_t(chosen.size()));
     std::vector<shared::Shadow> shadows;
     known_.resize(chosen.size());
     for (size_t i = 0; i < chosen.size(); ++i) {
-        const Light& light = scene.lights()[chosen[i]];
+        const Light& light = scene.lights().table()[chosen[i]];
         const glm::mat4 clip = clipFromWorldOf(light, bounds_);
         Map& map = known_[i];
         if (map.light != chosen[i] || map.clipFromWorld != clip || moved > map.rendered || !map.rendered) {
             map = {.light = chosen[i], .clipFromWorld = clip, .rendered = frame, .current = false};
-            scene.touchLight(map.light, frame);
+            scene.lights().touch(map.light, frame);
         }
         const glm::mat4 mapFromClip(0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 1, 0, 0.5f, 0.5f, 0, 1);
         shadows.push_back({.mapFromWorld = mapFromClip * clip,
                            .light = chosen[i],
                            .texel = texelOf(clip, settings.shadowSize)});
     }
-    scene.setShadows(shadows, frame);
+    scene.lights().setShadows(shadows, frame);
 }
 
 const gpu::Pipeline& ShadowPass::pipelineOf(const Frame& frame, const GpuObject& object)
@@ -210,7 +206,7 @@ void ShadowPass::drawCaster(Frame& frame, const Map& map, size_t object)
     frame.commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *pipeline.layout, 0, sets, nullptr);
     pushConstants(frame.commands, pipeline,
                   shared::ShadowPush{.clipFromWorld = map.clipFromWorld, .object = uint32_t(object)});
-    frame.scene.drawTriangles(frame.commands, object);
+    drawTriangles(frame, object);
 }
 
 void ShadowPass::record(Frame& frame)
@@ -220,9 +216,9 @@ void ShadowPass::record(Frame& frame)
     const PassScope scope(frame, "shadow");
     const vk::CommandBuffer commands = frame.commands;
     gpu::imageBarrier(commands, maps_.handle(), maps_.aspect(), gpu::Use::shaderSample, gpu::Use::depthWrite);
-    std::vector<std::array<uint32_t, shared::kListedLights / 32>> reaching; // by object
-    for (size_t object = 0; object < frame.scene.objects().size(); ++object)
-        reaching.push_back(frame.scene.lightsReaching(object));
+    std::vector<LightSet> reaching; // by object
+    for (const GpuObject& object : frame.scene.objects())
+        reaching.push_back(lightsReaching(object, frame.scene.lights().table()));
     for (size_t i = 0; i < known_.size(); ++i) {
         Map& map = known_[i];
         if (std::exchange(map.current, true))
@@ -235,10 +231,9 @@ void ShadowPass::record(Frame& frame)
         commands.beginRendering(
             {.renderArea = {{0, 0}, maps_.extent()}, .layerCount = 1, .pDepthAttachment = &depth});
         setViewport(commands, maps_.extent());
-        const std::vector<uint8_t> inMap = frame.scene.objectsInView(map.clipFromWorld);
+        const std::vector<uint8_t> inMap = objectsInView(frame.scene.objects(), map.clipFromWorld);
         for (size_t object = 0; object < inMap.size(); ++object)
-            if (inMap[object] && frame.scene.objects()[object].casts &&
-                (reaching[object][map.light / 32] >> map.light % 32 & 1u))
+            if (inMap[object] && frame.scene.objects()[object].casts && contains(reaching[object], map.light))
                 drawCaster(frame, map, object);
         commands.endRendering();
     }

@@ -9,10 +9,10 @@ gpu::ImageInfo shadowMapInfo(uint32_t size, uint32_t layers);
 
 class ShadowPass {
 public:
-    ShadowPass(const gpu::Device& device, GpuScene& scene);
+    ShadowPass(const gpu::Device& device, SceneState& scene);
     // Chooses the lights, and finds which maps are out of date: their lights count as changed. Call when no
     // frame is in flight, before the view is written.
-    void prepare(const gpu::Device& device, GpuScene& scene, const Settings& settings, uint32_t frame);
+    void prepare(const gpu::Device& device, SceneState& scene, const Settings& settings, uint32_t frame);
     void record(Frame& frame);
 
 private:
@@ -22,7 +22,7 @@ private:
         uint32_t rendered = 0; // frame
         bool current = false;
     };
-    void allocate(const gpu::Device& device, GpuScene& scene, uint32_t size, uint32_t layers);
+    void allocate(const gpu::Device& device, SceneState& scene, uint32_t size, uint32_t layers);
     void drawCaster(Frame& frame, const Map& map, size_t object);
     const gpu::Pipeline& pipelineOf(const Frame& frame, const GpuObject& object);
 

@@ -6,7 +6,7 @@
 
 namespace lumel {
 
-// Bindings: the mesh's vertices, and the object table as instances (GpuScene::drawTriangles).
+// Bindings: the mesh's vertices, and the object table as instances (drawTriangles).
 inline const std::vector<vk::VertexInputBindingDescription> kMeshBindings = {
     {0, sizeof(shared::Vertex), vk::VertexInputRate::eVertex},
     {1, sizeof(shared::Object), vk::VertexInputRate::eInstance}};

@@ -1,16 +1,14 @@
-// The meshes that deform, on the GPU: vertices of their own for each, and what moves them.
+// The deformed meshes of one renderer: the vertices of each, and the joints and weights that move them.
 #pragma once
-#include "gpu/resource.h"
-#include "scene/scene.h"
+#include "geometry_resources.h"
 
 namespace lumel {
 
 class DeformedMeshes {
 public:
     DeformedMeshes() = default;
-    // restVertices: by mesh of the scene.
-    DeformedMeshes(const gpu::Device& device, const scene::Scene& scene,
-                   const std::vector<vk::DeviceAddress>& restVertices);
+    // meshes: the scene's, which outlive them.
+    DeformedMeshes(const gpu::Device& device, const scene::Scene& scene, const std::vector<GpuMesh>& meshes);
 
     // By deformed mesh: have its vertices moved?
     std::vector<uint8_t> set(const scene::Shapes& shapes);
@@ -29,13 +27,12 @@ public:
     void markFresh(size_t item) { items_[item].stale = false; }
 
 private:
-    struct Source { // of a mesh
-        gpu::Buffer influences, firstDeltas, deltas;
-    };
+    Item makeItem(const gpu::Device& device, const scene::Scene& scene, const std::vector<GpuMesh>& meshes,
+                  size_t index) const;
+
     gpu::Buffer matrices_, weights_; // of all skins, of all items
     std::vector<size_t> firstMatrix_, firstWeight_;
     std::vector<scene::Matrices> joints_; // by skin, as last set
-    std::vector<Source> sources_;
     std::vector<Item> items_;
 };
 

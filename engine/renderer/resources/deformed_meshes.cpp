@@ -17,7 +17,7 @@ std::vector<size_t> firstOfEach(const Lists& lists, size_t& total)
 } // namespace
 
 DeformedMeshes::DeformedMeshes(const gpu::Device& device, const scene::Scene& scene,
-                               const std::vector<vk::DeviceAddress>& restVertices)
+                               const std::vector<GpuMesh>& meshes)
 {
     if (scene.deformed.empty())
         return;
@@ -31,40 +31,38 @@ DeformedMeshes::DeformedMeshes(const gpu::Device& device, const scene::Scene& sc
         gpu::Buffer(device, std::max<size_t>(matrices, 1) * sizeof(glm::mat4), MemoryUsage::host, "joints");
     weights_ =
         gpu::Buffer(device, std::max<size_t>(weights, 1) * sizeof(float), MemoryUsage::host, "weights");
-    sources_.resize(scene.meshes.size());
-    for (size_t i = 0; i < scene.deformed.size(); ++i) {
-        const scene::DeformedMesh& deformed = scene.deformed[i];
-        const scene::Mesh& mesh = scene.meshes[size_t(deformed.mesh)];
-        const scene::Deformation& d = mesh.deformation;
-        Source& source = sources_[size_t(deformed.mesh)];
-        if (deformed.skin >= 0 && !source.influences)
-            source.influences = gpu::uploadBuffer(device, d.influences, mesh.name + " influences");
-        if (!d.deltas.empty() && !source.deltas) {
-            source.firstDeltas = gpu::uploadBuffer(device, d.firstDeltas, mesh.name + " first deltas");
-            source.deltas = gpu::uploadBuffer(device, d.deltas, mesh.name + " deltas");
-        }
-        Item item;
-        item.vertices = gpu::Buffer(device, mesh.vertices.size() * sizeof(shared::Vertex),
-                                    MemoryUsage::device, mesh.name + " deformed");
-        item.skin = deformed.skin;
-        item.extents = d.extents;
-        const auto addressOr = [&](const gpu::Buffer& buffer) {
-            return buffer ? buffer.address() : weights_.address();
-        };
-        const size_t matrix = deformed.skin >= 0 ? firstMatrix_[size_t(deformed.skin)] : 0;
-        item.push = {.rest = restVertices[size_t(deformed.mesh)],
-                     .deformed = item.vertices.address(),
-                     .joints = addressOr(source.influences),
-                     .firstDeltas = addressOr(source.firstDeltas),
-                     .deltas = addressOr(source.deltas),
-                     .matrices = matrices_.address() + matrix * sizeof(glm::mat4),
-                     .weights = weights_.address() + firstWeight_[i] * sizeof(float),
-                     .vertexCount = uint32_t(mesh.vertices.size()),
-                     .influences = deformed.skin >= 0 ? d.jointsPerVertex : 0u,
-                     .morphs = d.deltas.empty() ? 0u : 1u};
-        items_.push_back(std::move(item));
-    }
+    for (size_t i = 0; i < scene.deformed.size(); ++i)
+        items_.push_back(makeItem(device, scene, meshes, i));
     set(rest);
+}
+
+DeformedMeshes::Item DeformedMeshes::makeItem(const gpu::Device& device, const scene::Scene& scene,
+                                              const std::vector<GpuMesh>& meshes, size_t index) const
+{
+    const scene::DeformedMesh& deformed = scene.deformed[index];
+    const scene::Mesh& mesh = scene.meshes[size_t(deformed.mesh)];
+    const GpuMesh& source = meshes[size_t(deformed.mesh)];
+    const scene::Deformation& d = mesh.deformation;
+    Item item;
+    item.vertices = gpu::Buffer(device, mesh.vertices.size() * sizeof(shared::Vertex),
+                                gpu::Buffer::MemoryUsage::device, mesh.name + " deformed");
+    item.skin = deformed.skin;
+    item.extents = d.extents;
+    const auto addressOr = [&](const gpu::Buffer& buffer) {
+        return buffer ? buffer.address() : weights_.address();
+    };
+    const size_t matrix = deformed.skin >= 0 ? firstMatrix_[size_t(deformed.skin)] : 0;
+    item.push = {.rest = source.vertices.address(),
+                 .deformed = item.vertices.address(),
+                 .joints = addressOr(source.influences),
+                 .firstDeltas = addressOr(source.firstDeltas),
+                 .deltas = addressOr(source.deltas),
+                 .matrices = matrices_.address() + matrix * sizeof(glm::mat4),
+                 .weights = weights_.address() + firstWeight_[index] * sizeof(float),
+                 .vertexCount = uint32_t(mesh.vertices.size()),
+                 .influences = deformed.skin >= 0 ? d.jointsPerVertex : 0u,
+                 .morphs = d.deltas.empty() ? 0u : 1u};
+    return item;
 }
 
 std::vector<uint8_t> DeformedMeshes::set(const scene::Shapes& shapes)

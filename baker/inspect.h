@@ -1,0 +1,38 @@
+// One texel of a baked chain, looked at: the exact average of the level-0 lobes under it, beside the baked
+// lobe and LEAN's. What the viewer's inspector shows.
+#pragma once
+#include "bake.h"
+#include <memory>
+
+namespace lumel::baker {
+
+// A square of the half-angle disc: side * side values of reflectance, row 0 on top (+y up, +x right); -1
+// beyond the rim.
+struct DiscPicture {
+    std::vector<float> values;
+    double error = 0.0; // relative to the energy of the average
+};
+
+struct TexelLobes {
+    int side = 0;                                    // points of a picture's side
+    double centreX = 0.0, centreY = 0.0, half = 1.0; // the part of the disc that is shown
+    double peak = 1.0;                               // the largest value of the average
+    DiscPicture average, fit;
+    DiscPicture lean; // with the Ks of least error
+};
+
+// Decodes the maps once for all texels of their material. Averages over thousands of texels take their time.
+class TexelInspector {
+public:
+    explicit TexelInspector(Maps maps); // throws Error for unusable ones
+    ~TexelInspector();
+
+    // levels: baked from the maps, of any method.
+    TexelLobes look(const std::vector<Level>& levels, size_t level, int x, int y) const;
+
+private:
+    struct Data;
+    std::unique_ptr<Data> data_;
+};
+
+} // namespace lumel::baker

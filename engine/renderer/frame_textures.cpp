@@ -1,0 +1,54 @@
+// Texture space: whether a view needs anything, how finely it is lit, and which textures its objects get.
+#include "frame.h"
+
+namespace lumel {
+
+// Nothing to find, to light or to fade: the view has not changed since its every pixel was looked at.
+bool Renderer::isSettled(const Frame& frame) const
+{
+    return frame.clipFromWorld == knownView_ && quality_.samePicture(knownQuality_) &&
+           scene_.changed() <= knownChange_ && offsetsSeen_ >= FeedbackPass::kCycle && lumelsPending_ == 0 &&
+           residency_.steady();
+}
+
+// How finely is the view to be lit? Known levels are those of the frame before's detail, which changes
+// slowly: only after the first detail of all are the samples to be counted once more. Then true.
+bool Renderer::chooseDetail(Frame& frame)
+{
+    float pixels = 0.0f;
+    for (const tsl::ObjectFeedback& object : frame.feedback)
+        pixels += object.lightable ? float(object.samples) : 0.0f;
+    const tsl::Detail finest{settings_.levelOffset, settings_.anisotropy};
+    const bool first = !detail_;
+    detail_ = tsl::detailFor(frame.elongations, pixels, finest, settings_.lumelsPerPixel, detail_);
+    frame.detail = *detail_;
+    frame.detail.levelOffset += quality_.levelBias;
+    writeView(frame, glm::vec2(0.0f));
+    return first && *detail_ != finest;
+}
+
+void Renderer::assignTextures(Frame& frame)
+{
+    for (tsl::ObjectFeedback& object : frame.feedback) {
+        object.level += frame.detail.levelOffset;
+        object.coarsest += quality_.levelBias; // within a frame budget, seams are the lesser evil
+    }
+    for (size_t i = 0; quality_.dynamicPerPixel && i < frame.feedback.size(); ++i)
+        frame.feedback[i].dynamic = dynamicObjects_.is(i);
+    residency_.assign(pool_.bookkeeping(), frame.feedback, frame.index);
+    pool_.update();
+    plan_.prepare(frame, pool_);
+    knownFeedback_ = frame.feedback;
+    known_ = {};
+    for (size_t i = 0; i < frame.feedback.size(); ++i)
+        if (residency_.objects()[i].texture)
+            known_.pixelsCovered += frame.feedback[i].samples * feedback_.divisor() * feedback_.divisor();
+    if (frame.clipFromWorld != knownView_ || !quality_.samePicture(knownQuality_))
+        offsetsSeen_ = 0;
+    offsetsSeen_ += feedback_.divisor() == 1 ? FeedbackPass::kCycle : 1;
+    knownView_ = frame.clipFromWorld;
+    knownQuality_ = quality_;
+    knownChange_ = frame.index;
+}
+
+} // namespace lumel

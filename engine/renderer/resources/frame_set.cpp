@@ -1,0 +1,28 @@
+#include "frame_set.h"
+#include "gpu/sampler.h"
+
+namespace lumel {
+
+FrameSet::FrameSet(const gpu::Device& device)
+    : layout_(gpu::makeSetLayout(
+          device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer,
+                   vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eCombinedImageSampler})),
+      set_(gpu::makeSet(device, layout_)), environmentSampler_(gpu::makeSampler(device, {.mips = true})),
+      view_(device, sizeof(shared::View), gpu::Buffer::MemoryUsage::host, "view"),
+      lights_(device, shared::kMaxLights * sizeof(shared::Light), gpu::Buffer::MemoryUsage::host, "lights")
+{
+    gpu::writeUniform(device, *set_, 0, view_.handle());
+    gpu::writeUniform(device, *set_, 1, lights_.handle());
+}
+
+void FrameSet::bindEnvironment(const gpu::Device& device, vk::ImageView map)
+{
+    gpu::writeSampled(device, *set_, 2, *environmentSampler_, map);
+}
+
+void FrameSet::bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps)
+{
+    gpu::writeSampled(device, *set_, 3, sampler, maps);
+}
+
+} // namespace lumel

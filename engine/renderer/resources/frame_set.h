@@ -1,0 +1,32 @@
+// Set 0 of every pipeline: the view, the lights, the environment map and the shadow maps. Frames are waited
+// for, so one set serves all.
+#pragma once
+#include "gpu/pipeline.h"
+#include "gpu/resource.h"
+#include "shared/structs.h"
+#include <span>
+
+namespace lumel {
+
+class FrameSet {
+public:
+    explicit FrameSet(const gpu::Device& device);
+
+    const gpu::SetLayout& layout() const { return layout_; }
+    vk::DescriptorSet handle() const { return *set_; }
+    vk::Buffer viewBuffer() const { return view_.handle(); }
+
+    // Call these when no frame is in flight.
+    void writeView(const shared::View& view) { *view_.mapped<shared::View>() = view; }
+    std::span<shared::Light> lights() const { return {lights_.mapped<shared::Light>(), shared::kMaxLights}; }
+    void bindEnvironment(const gpu::Device& device, vk::ImageView map);
+    void bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps);
+
+private:
+    gpu::SetLayout layout_;
+    vk::raii::DescriptorSet set_;
+    vk::raii::Sampler environmentSampler_;
+    gpu::Buffer view_, lights_;
+};
+
+} // namespace lumel

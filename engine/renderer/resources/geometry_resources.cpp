@@ -1,0 +1,89 @@
+#include "geometry_resources.h"
+#include "tsl/chart_levels.h"
+#include "upload.h"
+#include <algorithm>
+
+namespace lumel {
+namespace {
+
+GpuMesh uploadMesh(const gpu::Device& device, const scene::Mesh& mesh)
+{
+    GpuMesh result{.vertices = gpu::uploadBuffer(device, mesh.vertices, mesh.name + " vertices"),
+                   .indices = gpu::uploadBuffer(device, mesh.indices, mesh.name + " indices"),
+                   .colours = uploadColours(device, mesh),
+                   .indexCount = uint32_t(mesh.indices.size()),
+                   .influences = {},
+                   .firstDeltas = {},
+                   .deltas = {}};
+    const scene::Deformation& d = mesh.deformation;
+    if (!d.influences.empty())
+        result.influences = gpu::uploadBuffer(device, d.influences, mesh.name + " influences");
+    if (!d.deltas.empty()) {
+        result.firstDeltas = gpu::uploadBuffer(device, d.firstDeltas, mesh.name + " first deltas");
+        result.deltas = gpu::uploadBuffer(device, d.deltas, mesh.name + " deltas");
+    }
+    return result;
+}
+
+bool readsMaterialAtLitUvs(const scene::Mesh& mesh)
+{
+    return std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                       [](const shared::Vertex& v) { return v.materialUv == v.uv && v.emissionUv == v.uv; });
+}
+
+// Level of a map of this size that matches the lit texture's level 0; below 0 where lumels are finer. By the
+// axis in which a lumel covers more texels, but at most one level coarser than by the other: as light.comp's
+// levelOf() does.
+float levelOfLumels(glm::ivec2 mapSize, glm::uvec2 litSize)
+{
+    const glm::vec2 texels = glm::vec2(mapSize) / glm::vec2(litSize);
+    const float major = std::max(texels.x, texels.y), minor = std::min(texels.x, texels.y);
+    return std::log2(std::max(minor, 0.5f * major));
+}
+
+} // namespace
+
+GeometryResources::GeometryResources(const gpu::Device& device, const scene::Scene& scene,
+                                     const std::vector<scene::BakedMaterial>& materials)
+{
+    for (const scene::Mesh& mesh : scene.meshes)
+        meshes_.push_back(uploadMesh(device, mesh));
+    for (const scene::Object& object : scene.objects)
+        if (const std::pair key(object.mesh, object.material); !surfaces_.contains(key))
+            surfaces_[key] = makeSurface(device, scene, object, materials[size_t(object.material)]);
+}
+
+GpuSurface GeometryResources::makeSurface(const gpu::Device& device, const scene::Scene& scene,
+                                          const scene::Object& object, const scene::BakedMaterial& baked)
+{
+    const scene::Mesh& mesh = scene.meshes[size_t(object.mesh)];
+    const baker::Level& finest = baked.reflectance.levels.front();
+    const Image& emissive = baked.emissive.front();
+    const glm::ivec2 size(finest.width, finest.height), emissiveSize(emissive.width, emissive.height);
+    GpuSurface surface;
+    surface.ownMaterialUv = !readsMaterialAtLitUvs(mesh);
+    surface.litSize =
+        surface.ownMaterialUv ? tsl::lumelGrid(mesh, size, emissiveSize) : tsl::lumelGrid(size, emissiveSize);
+    surface.materialLevelOffset = levelOfLumels(size, surface.litSize);
+    surface.emissiveLevelOffset = levelOfLumels(emissiveSize, surface.litSize);
+    const bool opaque = scene.materials[size_t(object.material)].alphaMode == scene::AlphaMode::opaque;
+    if (opaque && mesh.uvProblem.empty())
+        surface.texelMap = texelMapFor(device, mesh, object.mesh, surface.litSize);
+    return surface;
+}
+
+const GpuTexelMap* GeometryResources::texelMapFor(const gpu::Device& device, const scene::Mesh& mesh,
+                                                  int index, glm::uvec2 grid)
+{
+    const auto [entry, isNew] = texelMaps_.try_emplace({index, grid.x, grid.y});
+    GpuTexelMap& result = entry->second;
+    if (isNew) {
+        result.map = tsl::makeTexelMap(mesh, grid);
+        result.buffer = gpu::uploadBuffer(device, result.map.texels, "texel map");
+        result.coarsest = tsl::coarsestWithoutSeams(tsl::seamShares(mesh, result.map));
+        result.map.texels = {};
+    }
+    return &result;
+}
+
+} // namespace lumel

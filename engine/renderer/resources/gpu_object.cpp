@@ -1,0 +1,96 @@
+#include "gpu_object.h"
+#include <algorithm>
+
+namespace lumel {
+namespace {
+
+// What is not metal reflects this much whatever its base colour is; that of a specular-glossiness material
+// has no say in reflectance at all: -1.
+float dielectricReflectance(const scene::Material& material)
+{
+    if (material.specularGlossiness)
+        return -1.0f;
+    const float ratio = (material.ior - 1.0f) / (material.ior + 1.0f); // KHR_materials_ior; 0 gives 1
+    return ratio * ratio * material.specular;
+}
+
+uint32_t flagsOf(const scene::Material& material, const GpuSurface& surface)
+{
+    return (material.doubleSided ? shared::kObjectDoubleSided : 0u) |
+           (material.unlit ? shared::kObjectUnlit : 0u) |
+           (surface.ownMaterialUv ? shared::kObjectOwnMaterialUv : 0u) |
+           (material.alphaMode == scene::AlphaMode::mask ? shared::kObjectMask : 0u) |
+           (surface.texelMap ? shared::kObjectLightable : 0u);
+}
+
+shared::Object dataOf(const scene::Material& material, const GpuMesh& mesh, const gpu::Buffer& vertices,
+                      const GpuSurface& surface)
+{
+    shared::Object data{};
+    data.vertices = vertices.address();
+    data.indices = mesh.indices.address();
+    data.colours = mesh.colours.address();
+    data.dielectric = dielectricReflectance(material);
+    data.litSize = surface.litSize;
+    data.materialLevelOffset = surface.materialLevelOffset;
+    data.emissiveLevelOffset = surface.emissiveLevelOffset;
+    data.flags = flagsOf(material, surface);
+    data.alphaCutoff = material.alphaCutoff;
+    if (surface.texelMap) {
+        data.texels = surface.texelMap->buffer.address();
+        std::ranges::copy(surface.texelMap->map.offsets, data.texelOffsets);
+    }
+    return data;
+}
+
+} // namespace
+
+GpuObject makeObject(const scene::Scene& scene, const scene::Object& object, const SceneResources& resources,
+                     const DeformedMeshes& deformed)
+{
+    const scene::Material& material = scene.materials[size_t(object.material)];
+    const GpuMesh& mesh = resources.geometry->meshes()[size_t(object.mesh)];
+    const GpuSurface& surface = resources.geometry->surface(object.mesh, object.material);
+    const gpu::Buffer& vertices =
+        object.deformed >= 0 ? deformed.items()[size_t(object.deformed)].vertices : mesh.vertices;
+    // What emits all over stands for a light, and would shade it.
+    const bool emits = material.unlit || (material.emissive != glm::vec3(0.0f) && material.emissiveImage < 0);
+    const bool blend = material.alphaMode == scene::AlphaMode::blend;
+    GpuObject result{.data = dataOf(material, mesh, vertices, surface),
+                     .material = &resources.materials->all()[size_t(object.material)],
+                     .texelMap = surface.texelMap,
+                     .vertices = vertices.handle(),
+                     .indices = mesh.indices.handle(),
+                     .indexCount = mesh.indexCount,
+                     .bounds = scene.meshes[size_t(object.mesh)].bounds,
+                     .deformed = object.deformed,
+                     .blend = blend,
+                     .coloured = bool(mesh.colours),
+                     .casts = !blend && !emits};
+    place(result, object.worldFromObject, deformed);
+    return result;
+}
+
+bool place(GpuObject& object, const glm::mat4& worldFromObject, const DeformedMeshes& deformed)
+{
+    if (object.data.worldFromObject == worldFromObject)
+        return false; // animations pause
+    object.data.worldFromObject = worldFromObject;
+    object.data.worldFromObjectNormal = glm::transpose(glm::inverse(glm::mat3(worldFromObject)));
+    takeShape(object, deformed);
+    return true;
+}
+
+void takeShape(GpuObject& object, const DeformedMeshes& deformed)
+{
+    object.mirrored = glm::determinant(glm::mat3(object.data.worldFromObject)) < 0.0f;
+    object.data.flags &= ~shared::kObjectMirrored;
+    object.data.flags |= object.mirrored ? shared::kObjectMirrored : 0u;
+    if (object.deformed < 0)
+        return;
+    const DeformedMeshes::Item& item = deformed.items()[size_t(object.deformed)];
+    object.bounds = item.bounds;
+    object.mirrored = object.mirrored != item.mirrored;
+}
+
+} // namespace lumel

@@ -1,0 +1,59 @@
+#include "material_resources.h"
+#include "gpu/sampler.h"
+#include "scene/material_maps.h"
+#include "upload.h"
+#include <array>
+
+namespace lumel {
+namespace {
+
+// By scene::Wrap.
+constexpr std::array kAddressModes = {vk::SamplerAddressMode::eRepeat,
+                                      vk::SamplerAddressMode::eMirroredRepeat,
+                                      vk::SamplerAddressMode::eClampToEdge};
+
+} // namespace
+
+MaterialResources::MaterialResources(const gpu::Device& device, const scene::Scene& scene,
+                                     const std::vector<scene::BakedMaterial>& baked)
+    : layout_(gpu::makeSetLayout(
+          device, std::vector<vk::DescriptorType>(6, vk::DescriptorType::eCombinedImageSampler)))
+{
+    for (const auto v : kAddressModes)
+        for (const auto u : kAddressModes)
+            samplers_.push_back(gpu::makeSampler(device, {.u = u, .v = v, .mips = true}));
+    for (size_t i = 0; i < baked.size(); ++i)
+        materials_.push_back(upload(device, baked[i], scene.materials[i]));
+}
+
+vk::Sampler MaterialResources::samplerOf(const scene::UvMapping& uv) const
+{
+    return *samplers_[size_t(uv.wrapU) + kAddressModes.size() * size_t(uv.wrapV)];
+}
+
+GpuMaterial MaterialResources::upload(const gpu::Device& device, const scene::BakedMaterial& baked,
+                                      const scene::Material& source) const
+{
+    using enum baker::Channel;
+    const std::string& name = source.name;
+    const auto channels = [&](std::array<baker::Channel, 4> four, const char* what) {
+        return uploadChannels(device, baked.reflectance, four, name + what);
+    };
+    GpuMaterial material;
+    material.normal = channels({kNx, kNy, kSxx, kSyy}, " normal");
+    material.specular = channels({kKsR, kKsG, kKsB, kSxy}, " specular");
+    material.diffuse = channels({kKdR, kKdG, kKdB, kError}, " diffuse");
+    material.emissive = uploadChain(device, baked.emissive, name + " emissive");
+    material.opacity = uploadChain(device, baked.opacity, name + " opacity");
+    material.base = uploadChain(device, scene::baseReflectance(baked.reflectance), name + " base");
+    material.set = gpu::makeSet(device, layout_);
+    uint32_t binding = 0;
+    for (const gpu::Image* image : {&material.normal, &material.specular, &material.diffuse,
+                                    &material.emissive, &material.opacity, &material.base})
+        gpu::writeSampled(device, *material.set, binding++,
+                          samplerOf(image == &material.emissive ? source.emissionUv : source.uv),
+                          image->view());
+    return material;
+}
+
+} // namespace lumel

@@ -1,0 +1,35 @@
+// A scene's materials on the GPU, baked by one method. They never change: all renderers that show this bake
+// share them.
+#pragma once
+#include "gpu/pipeline.h"
+#include "gpu/resource.h"
+#include "scene/materials.h"
+
+namespace lumel {
+
+struct GpuMaterial {
+    gpu::Image normal, specular, diffuse, emissive, opacity;
+    gpu::Image base; // mean F0 and roughness of level 0
+    vk::raii::DescriptorSet set = nullptr;
+};
+
+class MaterialResources {
+public:
+    MaterialResources(const gpu::Device& device, const scene::Scene& scene,
+                      const std::vector<scene::BakedMaterial>& baked);
+
+    const std::vector<GpuMaterial>& all() const { return materials_; } // in the scene's order
+    // Of all their sets.
+    const gpu::SetLayout& layout() const { return layout_; }
+
+private:
+    GpuMaterial upload(const gpu::Device& device, const scene::BakedMaterial& baked,
+                       const scene::Material& source) const;
+    vk::Sampler samplerOf(const scene::UvMapping& uv) const;
+
+    gpu::SetLayout layout_;
+    std::vector<vk::raii::Sampler> samplers_; // by wrapU + 3 wrapV
+    std::vector<GpuMaterial> materials_;
+};
+
+} // namespace lumel

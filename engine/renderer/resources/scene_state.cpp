@@ -1,0 +1,59 @@
+#include "scene_state.h"
+#include "culling.h"
+#include "scene/environment.h"
+
+namespace lumel {
+
+SceneState::SceneState(const gpu::Device& device, const scene::Scene& scene, const SceneResources& resources)
+    : resources_(resources), frameSet_(device), lights_(frameSet_),
+      deformed_(device, scene, resources.geometry->meshes()),
+      objectTable_(device, scene.objects.size() * sizeof(shared::Object), gpu::Buffer::MemoryUsage::host,
+                   "objects")
+{
+    lights_.setEnvironment(device, resources.environment, 0);
+    lights_.set(scene::lightsOf(scene), 0);
+    for (const scene::Object& object : scene.objects)
+        objects_.push_back(makeObject(scene, object, resources, deformed_));
+}
+
+void SceneState::moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame)
+{
+    if (place(objects_[object], worldFromObject, deformed_))
+        objects_[object].data.changed = changed_ = frame;
+}
+
+void SceneState::deform(const scene::Shapes& shapes, uint32_t frame)
+{
+    const std::vector<uint8_t> moved = deformed_.set(shapes);
+    for (GpuObject& object : objects_)
+        if (object.deformed >= 0 && moved[size_t(object.deformed)]) {
+            takeShape(object, deformed_);
+            object.data.changed = changed_ = frame;
+        }
+}
+
+bool SceneState::changedSince(size_t object, uint32_t frame) const
+{
+    if (changed() < frame)
+        return false; // nothing has
+    if (std::max(objects_[object].data.changed, lights_.changedAll()) >= frame)
+        return true;
+    const std::span<const shared::Light> lights = lights_.table();
+    const LightSet reaching = lightsReaching(objects_[object], lights);
+    for (uint32_t i = 0; i < lights.size(); ++i)
+        if (lights[i].changed >= frame && contains(reaching, i))
+            return true;
+    return false;
+}
+
+std::span<shared::Object> SceneState::writeObjects()
+{
+    const std::span table(objectTable_.mapped<shared::Object>(), objects_.size());
+    for (size_t i = 0; i < objects_.size(); ++i) {
+        table[i] = objects_[i].data;
+        table[i].changed = std::max(table[i].changed, lights_.changedAll());
+    }
+    return table;
+}
+
+} // namespace lumel

@@ -1,0 +1,22 @@
+// Render targets of one picture size.
+#pragma once
+#include "gpu/resource.h"
+#include "renderer/settings.h"
+
+namespace lumel {
+
+struct Targets {
+    Targets(const gpu::Device& device, const Settings& settings);
+    // Throws Error when the device has no such images.
+    static void check(const gpu::Device& device, const Settings& settings);
+    gpu::Image hdr;          // linear radiance and coverage, RGBA16F, one sample a pixel
+    gpu::Image depth;        // D32, as many samples as the draw pass
+    gpu::Image multisampled; // RGBA16F, only with msaa > 1
+    gpu::Image sum;          // RGBA32F, reference only
+    // Of a frame that is drawn smaller than it is shown, RGBA16F, sRGB encoded: as drawn, and as wide as
+    // shown.
+    gpu::Image small, wide;
+    gpu::Image display; // RGBA8, sRGB encoded
+};
+
+} // namespace lumel

@@ -1,0 +1,77 @@
+// Renderers of one scene share what is large, and show the same as with resources of their own.
+#include "test_scene.h"
+
+using namespace lumel;
+using namespace lumel::test;
+
+namespace {
+
+class SharingTest : public GpuTest {};
+
+constexpr glm::vec3 kEye{0.0f, 0.0f, 3.0f};
+
+// What `make` leaves allocated.
+template<class Make>
+auto measured(uint64_t& bytes, Make make)
+{
+    const uint64_t before = device().allocatedBytes();
+    auto made = make();
+    bytes = device().allocatedBytes() - before;
+    return made;
+}
+
+Image displayOf(Renderer& renderer)
+{
+    renderer.render(cameraAt(kEye));
+    return renderer.readDisplay();
+}
+
+} // namespace
+
+TEST_F(SharingTest, RenderersWithSharedResourcesAllocateNoneOfThem)
+{
+    const TestScene s = sphereScene(bumpyMaps(64, 0.3f, 50.0f));
+    const Settings settings = settingsFor(Shading::tsl);
+    uint64_t shared = 0, sharing = 0, own = 0;
+    SceneResources resources = measured(shared, [&] { return uploadScene(device(), s.scene, s.materials); });
+    auto first =
+        measured(sharing, [&] { return std::make_unique<Renderer>(device(), s.scene, resources, settings); });
+    auto second = std::make_unique<Renderer>(device(), s.scene, resources, settings);
+    auto alone =
+        measured(own, [&] { return std::make_unique<Renderer>(device(), s.scene, s.materials, settings); });
+    EXPECT_GT(shared, 0u);
+    EXPECT_EQ(sharing + shared, own);
+
+    const Image expected = displayOf(*alone);
+    EXPECT_EQ(displayOf(*first).pixels, expected.pixels);
+    // The last renderer keeps alive what it needs.
+    resources = {};
+    first.reset();
+    EXPECT_EQ(displayOf(*second).pixels, expected.pixels);
+}
+
+TEST_F(SharingTest, MaterialsOfAnotherMethodShareTheGeometry)
+{
+    const baker::Maps maps = bumpyMaps(64, 0.3f, 50.0f);
+    TestScene s = sphereScene(maps);
+    SceneResources resources = uploadScene(device(), s.scene, s.materials);
+    s.materials[0].reflectance = baker::bake(maps, {.method = baker::Method::average});
+    resources.materials = std::make_shared<const MaterialResources>(device(), s.scene, s.materials);
+    for (const Shading shading : {Shading::tsl, Shading::forward}) {
+        Renderer sharing(device(), s.scene, resources, settingsFor(shading));
+        Renderer alone(device(), s.scene, s.materials, settingsFor(shading));
+        EXPECT_EQ(displayOf(sharing).pixels, displayOf(alone).pixels);
+    }
+}
+
+// As `bench --objects` does.
+TEST_F(SharingTest, APartOfTheObjectsUsesTheResourcesOfAll)
+{
+    TestScene s = sphereScene(plainMaps());
+    s.add(planeMesh(), bumpyMaps(32, 0.3f, 50.0f));
+    const SceneResources resources = uploadScene(device(), s.scene, s.materials);
+    s.scene.objects.erase(s.scene.objects.begin());
+    Renderer sharing(device(), s.scene, resources, settingsFor(Shading::tsl));
+    Renderer alone(device(), s.scene, s.materials, settingsFor(Shading::tsl));
+    EXPECT_EQ(displayOf(sharing).pixels, displayOf(alone).pixels);
+}
