@@ -60,7 +60,7 @@ struct TemporaryFolder {
     {
         std::string name = (std::filesystem::temp_directory_path() / "lumel-shaders-XXXXXX").string();
         if (!mkdtemp(name.data()))
-            throw Error("no temporary folder; set TMPDIR to one that can be written");
+            throw Error("no temporary folder; set TMPDIR to a writable one");
         path = name;
     }
     ~TemporaryFolder()
@@ -82,7 +82,7 @@ void reloadShaders()
         const std::string source = sourceFolder() + "/" + name;
         const int status = compile(source, output, log);
         if (status < 0)
-            throw Error("glslangValidator is not to be found; install glslang-tools");
+            throw Error("glslangValidator is not installed; install glslang-tools");
         if (status > 0)
             throw Error(fmt::format("{}: {}", name, firstError(log)));
         const auto bytes = readFile(output);

@@ -32,7 +32,7 @@ vk::SurfaceFormatKHR chooseFormat(const std::vector<vk::SurfaceFormatKHR>& forma
         for (const auto& format : formats)
             if (format.format == wanted)
                 return format;
-    throw Error("Vulkan: the window takes no 8-bit colours; choose another device with --device");
+    throw Error("Vulkan: no 8-bit UNORM surface format; choose another device with --device");
 }
 
 // The part of a placement that an image of this size has. A window may have shrunk since the frame began.

@@ -232,7 +232,7 @@ TEST_F(DeformingGltf, DamagedSkinsAreRefused)
     gltf.root = good;
     gltf.node(1)["scale"] = {1e30, 1e30, 1e30};
     gltf.root["skins"][0]["inverseBindMatrices"] = gltf.floats(std::vector<float>(32, 1e30f), "MAT4", 16);
-    expectDeformationRefused("nothing is finite");
+    expectDeformationRefused("skinned vertices are not finite");
 }
 
 // --- Morph targets
