@@ -74,7 +74,7 @@ void Viewer::open(const std::filesystem::path& file, glm::vec2 at, const ui::Lay
         state_.environment = file.string();
     else
         throw Error(
-            fmt::format("{}: drop a .gltf or .glb scene, a .hdr to light it, or a baked .exr on a surface",
+            fmt::format("{}: drop a .gltf or .glb scene, a .hdr environment, or a baked .exr on a surface",
                         file.filename().string()));
 }
 
@@ -86,7 +86,8 @@ void Viewer::replaceMaterial(const std::filesystem::path& file, glm::vec2 at, co
     const float aspect = layout.picture.x / layout.picture.y;
     const auto hit = scene::pick(*scene, scene::rayThrough(state_.camera.camera(), at, aspect));
     if (!hit)
-        throw Error(file.filename().string() + ": drop a baked file on the surface that is to take it");
+        throw Error(file.filename().string() +
+                    ": drop a baked file on the surface whose material it replaces");
     auto changed = std::make_shared<scene::Scene>(*scene);
     scene::Material& material = changed->materials[size_t(scene->objects[hit->object].material)];
     for (scene::Material& other : changed->materials) // the option goes by name
@@ -101,7 +102,7 @@ SceneArguments Viewer::argumentsOf(size_t side) const
 {
     SceneArguments a = arguments_;
     a.settings = renderers_->settings(side);
-    a.settings.budgetMs = 0.0; // what it gives depends on the machine's load
+    a.settings.budgetMs = 0.0; // its quality depends on the machine's load
     if (a.settings.shading == Shading::reference)
         a.settings.samples = renderers_->samples(side);
     a.filter = renderers_->method(side);
@@ -120,7 +121,7 @@ void Viewer::copyCommand()
     std::string text;
     for (size_t side = 0; side < (state_.split ? 2u : 1u); ++side) {
         if (!renderers_->picture(side))
-            throw Error("nothing is rendered yet; try again");
+            throw Error("nothing has been rendered yet; try again");
         const char* const name = !state_.split ? "lumel.png"
                                  : side == 0   ? "lumel-left.png"
                                                : "lumel-right.png";
@@ -139,7 +140,7 @@ void Viewer::takeScreenshot(const char* extension)
     std::string commands, names;
     for (size_t side = 0; side < (state_.split ? 2u : 1u); ++side) {
         if (!renderers_->picture(side))
-            throw Error("nothing is rendered yet; try again");
+            throw Error("nothing has been rendered yet; try again");
         const char* const suffix = !state_.split ? "" : side == 0 ? "-left" : "-right";
         const std::filesystem::path file = stem + suffix + extension;
         writeImage(file, renderers_->screenshot(state_, side, std::string_view(extension) == ".exr"));
@@ -147,14 +148,14 @@ void Viewer::takeScreenshot(const char* extension)
         names += (names.empty() ? "" : ", ") + file.string();
     }
     writeFileAtomically(stem + ".txt", commands);
-    say(fmt::format("written: {}, and {}.txt with the command", names, stem));
+    say(fmt::format("saved {}, and the command in {}.txt", names, stem));
 }
 
 void Viewer::reloadShaders()
 {
     gpu::reloadShaders();
     renderers_->restart(state_);
-    say("the shaders are compiled anew");
+    say("shaders reloaded");
 }
 
 void Viewer::toggleFullscreen()
@@ -187,7 +188,7 @@ void Viewer::beginLoading(const std::filesystem::path& file)
     pendingMaterial_ = {};
     const bool first = !renderers_->scene();
     loader_.begin(file, bakeOptions(state_.sides[0].filter), {}, [this, file, first](scene::Scene& scene) {
-        // Options that change a scene are about the one they came with.
+        // Options that change a scene are about the first one.
         if (first)
             changeScene(arguments_, scene);
         else
@@ -200,67 +201,82 @@ void Viewer::finishLoading()
     report_.loading = loader_.busy() ? loader_.progress().label() : std::string();
     report_.loadingShare = loader_.progress().share();
     try {
-        const auto loaded = loader_.take();
-        if (!loaded)
-            return;
-        if (loadingFile_.empty()) {
-            renderers_->addMaterials(*loaded);
-            return;
-        }
-        const bool other = !renderers_->scene() || pendingMaterial_.first.empty();
-        const bool first = !renderers_->scene();
-        renderers_->setScene(*loaded, state_);
-        report_.scene = renderers_->scene().get();
-        report_.lumelGrids = renderers_->lumelGrids();
-        report_.inspection = {};
-        report_.residency.clear();
-        if (!other) {
-            renderers_->setEnvironment(environment_);
-            if (!state_.lightsEdited)
-                renderers_->setLights(state_.lights);
-            arguments_.materialFiles.push_back(pendingMaterial_);
-            say(fmt::format("{}: now the material '{}'", pendingMaterial_.second.filename().string(),
-                            pendingMaterial_.first));
-            return;
-        }
-        arguments_.scene = loadingFile_;
-        if (!first) {
-            // What was asked for on the command line was about the first scene.
-            arguments_.camera.clear();
-            arguments_.eye.reset();
-            arguments_.target.reset();
-            arguments_.lights = 0;
-            arguments_.lightList.clear();
-            arguments_.environment.clear();
-            state_.settings.ambient.reset();
-            arguments_.materialFiles.clear();
-        }
-        state_.lightsEdited = false;
-        state_.selected.reset();
-        const bool animated = renderers_->scene()->animation.seconds > 0.0;
-        state_.seconds = first && animated ? arguments_.seconds : std::nullopt;
-        state_.playing = animated && !state_.seconds;
-        played_ = state_.seconds.value_or(0.0);
-        environment_ = renderers_->scene()->environment;
-        state_.environment = !arguments_.environment.empty() ? arguments_.environment
-                             : environment_                  ? "sky"
-                                                             : "none";
-        environmentName_ = state_.environment;
-        if (!state_.exposureChosen) {
-            state_.settings.exposure = 1.0f;
-            state_.autoExposure = false;
-            exposureAsked_ = hasOwnLights(arguments_, *renderers_->scene());
-        }
-        adaptation_.reset();
-        resetView();
+        if (const auto loaded = loader_.take())
+            take(*loaded);
     } catch (const Error& e) {
         if (!renderers_->scene())
             throw;
-        if (loadingFile_.empty()) // not to be tried again and again
+        if (loadingFile_.empty()) // do not retry
             state_.sides = {ui::Side{state_.sides[0].shading, renderers_->method(0)},
                             ui::Side{state_.sides[1].shading, renderers_->method(0)}};
         say(e.what(), true);
     }
+}
+
+void Viewer::take(const scene::LoadedScene& loaded)
+{
+    if (loadingFile_.empty()) {
+        renderers_->addMaterials(loaded);
+        return;
+    }
+    const bool first = !renderers_->scene();
+    renderers_->setScene(loaded, state_);
+    report_.scene = renderers_->scene().get();
+    report_.lumelGrids = renderers_->lumelGrids();
+    report_.inspection = {};
+    report_.residency.clear();
+    if (first || pendingMaterial_.first.empty())
+        showScene(first);
+    else
+        showReplacedMaterial();
+}
+
+void Viewer::showReplacedMaterial()
+{
+    renderers_->setEnvironment(environment_);
+    if (!state_.lightsEdited)
+        renderers_->setLights(state_.lights);
+    arguments_.materialFiles.push_back(pendingMaterial_);
+    say(fmt::format("{}: replaces the material '{}'", pendingMaterial_.second.filename().string(),
+                    pendingMaterial_.first));
+}
+
+void Viewer::showScene(bool first)
+{
+    arguments_.scene = loadingFile_;
+    if (!first)
+        forgetSceneOptions();
+    state_.lightsEdited = false;
+    state_.selected.reset();
+    const bool animated = renderers_->scene()->animation.seconds > 0.0;
+    state_.seconds = first && animated ? arguments_.seconds : std::nullopt;
+    state_.playing = animated && !state_.seconds;
+    played_ = state_.seconds.value_or(0.0);
+    environment_ = renderers_->scene()->environment;
+    state_.environment = !arguments_.environment.empty() ? arguments_.environment
+                         : environment_                  ? "sky"
+                                                         : "none";
+    environmentName_ = state_.environment;
+    if (!state_.exposureChosen) {
+        state_.settings.exposure = 1.0f;
+        state_.autoExposure = false;
+        exposureAsked_ = hasOwnLights(arguments_, *renderers_->scene());
+    }
+    adaptation_.reset();
+    resetView();
+}
+
+// The command line was about the first scene.
+void Viewer::forgetSceneOptions()
+{
+    arguments_.camera.clear();
+    arguments_.eye.reset();
+    arguments_.target.reset();
+    arguments_.lights = 0;
+    arguments_.lightList.clear();
+    arguments_.environment.clear();
+    state_.settings.ambient.reset();
+    arguments_.materialFiles.clear();
 }
 
 std::vector<scene::Light> Viewer::defaultLights() const

@@ -81,7 +81,7 @@ std::vector<float> crop(const DiscGrid& grid, const std::vector<float>& g, const
 
 } // namespace
 
-// What a material's texels are averaged from; decoding images anew for each texel would take longer.
+// What a material's texels are averaged from; decoding images again for each texel would take longer.
 struct Inspector::Maps {
     Maps(const scene::Scene& scene, size_t material)
         : maps(scene::reflectanceMaps(scene, scene.materials[material])), source(maps),
@@ -151,7 +151,7 @@ void Inspector::work(const scene::Scene& scene, const std::vector<scene::BakedMa
     m.grid.add({stored[kNx], stored[kNy], stored[kSxx], stored[kSxy], stored[kSyy]},
                float(luminance({stored[kKsR], stored[kKsG], stored[kKsB]})), f.data());
     m.grid.add(leanShape(momentsOf(m.source, level, texel.x, texel.y)), 1.0f, lean.data());
-    // With the Ks that serves it best: the projection of the average.
+    // With the Ks of least error: the projection of the average.
     const double norm = m.grid.integral(lean.data(), lean.data());
     const double ks = norm > 0.0 ? m.grid.integral(g.data(), lean.data()) / norm : 0.0;
     for (float& value : lean)

@@ -1,4 +1,4 @@
-// One texel of a baked material, looked at: its lobe, the average that it stands for, LEAN's lobe with its
+// One texel of a baked material: its lobe, the average that it stands for, LEAN's lobe with its
 // best Ks.
 #pragma once
 #include "baker/bake.h"
@@ -41,7 +41,7 @@ struct Inspection {
 class Inspector {
 public:
     ~Inspector();
-    // Looks at this texel unless it is the one looked at last. Ignored while the last is under way.
+    // Inspects this texel unless it was the last one. Ignored while one is in progress.
     void look(std::shared_ptr<const scene::Scene> scene,
               std::shared_ptr<const std::vector<scene::BakedMaterial>> baked, const Texel& texel);
     // Moves a new result to `inspection`.
