@@ -12,21 +12,63 @@ layout(location = 2) in vec4 tangentInWorld;
 layout(location = 4) in vec4 uv; // of the reflectance (xy) and of emissive (zw)
 layout(location = 5) in vec4 tint;
 layout(location = 0) out vec4 colour;
+layout(constant_id = 2) const uint kAnisotropy = 1u; // most taps along a footprint's major axis
+
+// Taps of an anisotropic lookup lie at even distances along the footprint's major axis, on the level of its minor one:
+// where tap i of n lies, from -1 to 1. Not the sampler's own anisotropy: how many taps that takes, and where, is each
+// device's choice, and it is an optional feature.
+float alongAxis(int i, int n)
+{
+    return (2.0 * float(i) + 1.0) / float(n) - 1.0;
+}
+
+Footprint footprintIn(sampler2D map, vec2 dx, vec2 dy)
+{
+    return footprintOf(dx, dy, vec2(textureSize(map, 0)), float(kAnisotropy));
+}
+
+MaterialTexel materialHere(vec4 dx, vec4 dy)
+{
+    if (push.draw.level >= 0.0)
+        return sampleMaterial(uv, vec2(push.draw.level));
+    if (kAnisotropy == 1u)
+        return sampleMaterial(uv,
+                              vec2(levelOf(mapNormal, dx.xy, dy.xy, 1.0), levelOf(mapEmissive, dx.zw, dy.zw, 1.0)));
+    Footprint reflectance = footprintIn(mapNormal, dx.xy, dy.xy), emissive = footprintIn(mapEmissive, dx.zw, dy.zw);
+    int taps = clamp(max(reflectance.taps, emissive.taps), 1, kMostTaps);
+    MaterialTexel sum = noMaterial();
+    for (int i = 0; i < taps; ++i)
+        addMaterial(sum,
+                    sampleMaterial(uv + alongAxis(i, taps) * vec4(reflectance.axis, emissive.axis),
+                                   vec2(reflectance.level, emissive.level)),
+                    1.0 / float(taps));
+    return sum;
+}
+
+float opacityHere(vec4 dx, vec4 dy)
+{
+    if (push.draw.level >= 0.0 || kAnisotropy == 1u) {
+        float level = push.draw.level >= 0.0 ? push.draw.level : levelOf(mapOpacity, dx.xy, dy.xy, 1.0);
+        return textureLod(mapOpacity, uv.xy, max(level, 0.0)).x;
+    }
+    Footprint footprint = footprintIn(mapOpacity, dx.xy, dy.xy);
+    int taps = clamp(footprint.taps, 1, kMostTaps);
+    float sum = 0.0;
+    for (int i = 0; i < taps; ++i)
+        sum += textureLod(mapOpacity, uv.xy + alongAxis(i, taps) * footprint.axis, max(footprint.level, 0.0)).x;
+    return sum / float(taps);
+}
 
 void main()
 {
     ObjectAt object = objectAt(push.draw.object);
     vec4 dx = dFdx(uv), dy = dFdy(uv);
-    vec3 levels = vec3(push.draw.level); // of the reflectance, emissive and opacity
-    if (push.draw.level < 0.0)
-        levels = vec3(levelOf(mapNormal, dx.xy, dy.xy, 1.0), levelOf(mapEmissive, dx.zw, dy.zw, 1.0),
-                      levelOf(mapOpacity, dx.xy, dy.xy, 1.0));
-    float opacity = textureLod(mapOpacity, uv.xy, max(levels.z, 0.0)).x;
+    float opacity = opacityHere(dx, dy);
     if (kColoured)
         opacity *= tint.a;
     if ((object.at.flags & kObjectMask) != 0u && opacity < object.at.alphaCutoff)
         discard;
-    MaterialTexel material = sampleMaterial(uv, levels.xy);
+    MaterialTexel material = materialHere(dx, dy);
     if (kColoured)
         material = tinted(object, material, max(tint.rgb, vec3(0.0)));
     ShadingPoint point = shadingPoint(object, material, positionInWorld, normalInWorld, tangentInWorld);

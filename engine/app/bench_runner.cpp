@@ -2,6 +2,7 @@
 #include "bench/quality.h"
 #include "core/error.h"
 #include "gltf/gltf.h"
+#include "renderer/setting_text.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -26,6 +27,20 @@ int lightsAt(const std::vector<LoadStep>& load, int frame)
         if (step.frame <= frame)
             lights = step.lights;
     return lights;
+}
+
+// What one way of shading is rendered with.
+SceneArguments argumentsOf(const BenchShading& shading, const SceneArguments& common)
+{
+    SceneArguments way = common;
+    way.settings.shading = shading.shading;
+    way.settings.forwardAnisotropy = shading.anisotropic ? common.settings.forwardAnisotropy : 1;
+    way.filter = shading.filter.value_or(common.filter);
+    if (shading.samples > 0)
+        way.settings.samples = shading.samples;
+    if (shading.shading == Shading::reference)
+        way.settings = applicable(way.settings); // it has one quality only
+    return way;
 }
 
 std::string describeLoad(const std::vector<LoadStep>& load)
@@ -110,9 +125,9 @@ void BenchRunner::addScene(const std::filesystem::path& file)
                 view.settings.size = size;
                 view.lights = arguments_.load.empty() ? lightCount : arguments_.load.front().lights;
                 scene.lights = view.lights > 0 ? scene::lightRing(view.lights, scene.bounds) : lights;
-                // As for `shot`: other lights than the scene's do without the usual sky.
-                const bool usual = view.lights == 0 || !arguments_.environment.empty();
-                scene.environment = usual ? environment : nullptr;
+                // As for `shot`: lights other than the scene's leave out the default sky.
+                const bool lit = view.lights == 0 || !arguments_.environment.empty();
+                scene.environment = lit ? environment : nullptr;
                 scene.objects = spreadObjects(objects, size_t(objectCount));
                 addView(scene, uploaded, view);
                 if (objectCount > 0)
@@ -153,13 +168,7 @@ void BenchRunner::addView(const scene::Scene& scene, const Uploaded& uploaded,
         Playback(scene, camera, path), scene.bounds, scene.objects, arguments.lights, {}, nullptr, {}}));
     View& view = *views_.back();
     for (const BenchShading& shading : arguments_.shadings) {
-        SceneArguments way = arguments;
-        way.settings.shading = shading.shading;
-        way.filter = shading.filter.value_or(arguments.filter);
-        if (shading.samples > 0)
-            way.settings.samples = shading.samples;
-        if (shading.shading == Shading::reference)
-            way.settings.budgetMs = 0.0; // it has one quality only
+        const SceneArguments way = argumentsOf(shading, arguments);
         view.runs.push_back(
             std::make_unique<Run>(device_, scene, uploaded.resourcesOf(way.filter, scene), way.settings));
         RunInfo& info = view.runs.back()->info;
@@ -178,15 +187,14 @@ void BenchRunner::addView(const scene::Scene& scene, const Uploaded& uploaded,
         Settings settings = run->renderer.settings();
         settings.exposure = exposure;
         run->renderer.setSettings(settings);
-        run->info.options["exposure"] = fmt::format("{:g}", exposure);
+        run->info.options["exposure"] = numberText(exposure);
     }
     if (arguments.errorEvery > 0 || arguments.flicker) {
         Settings settings = arguments.settings;
         settings.exposure = exposure;
         settings.shading = Shading::reference;
-        settings.budgetMs = 0.0;
         view.reference = std::make_unique<Renderer>(
-            device_, scene, uploaded.resourcesOf(uploaded.materials.begin()->first, scene), settings);
+            device_, scene, uploaded.resourcesOf(uploaded.materials.begin()->first, scene), applicable(settings));
     }
 }
 

@@ -74,7 +74,7 @@ void runBake(const BakeArguments& arguments)
     maps.height = readIfNamed(arguments.height);
     maps.heightScale = arguments.heightScale;
     maps.normal = readIfNamed(arguments.normal);
-    maps.normalGreenUp = arguments.normalGreen == "up";
+    maps.normalGreenUp = arguments.normalGreenUp;
     maps.wrap = arguments.wrap;
     maps.power = readIfNamed(arguments.powerMap);
     maps.powerConstant = arguments.power;

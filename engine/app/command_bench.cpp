@@ -29,13 +29,13 @@ bool compare(const BenchArguments& arguments)
         bench::compareRuns(bench::readRuns(arguments.compare[0]), bench::readRuns(arguments.compare[1]));
     fmt::print("{}", bench::tableOf(ratios));
     const double worst = bench::worstOf(ratios);
-    if (arguments.limit <= 0.0 || worst <= arguments.limit)
+    if (!arguments.limit || worst <= *arguments.limit)
         return true;
-    fmt::print("slower than the limit: {:.3f} > {:g}\n", worst, arguments.limit);
+    fmt::print("slower than the limit: {:.3f} > {:g}\n", worst, *arguments.limit);
     return false;
 }
 
-// What would make hours of measuring futile is found out first.
+// Fails before hours of measuring, not after.
 void checkOutputs(const BenchArguments& arguments)
 {
     for (const auto& file : {arguments.json, arguments.csv, arguments.plot})

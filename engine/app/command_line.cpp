@@ -1,5 +1,5 @@
 #include "command_line.h"
-#include "renderer/names.h"
+#include "renderer/setting_text.h"
 #include "scene/light_text.h"
 #include <fmt/format.h>
 
@@ -24,18 +24,18 @@ std::string quoted(const std::string& text)
 class Options {
 public:
     template<class T>
-    void add(const char* name, const T& value, const T& usual)
+    void add(const char* name, const T& value, const T& byDefault)
     {
-        if (value != usual)
+        if (value != byDefault)
             set(name, fmt::format("{}", value)); // the shortest text that is read as the same number
     }
     template<class Enum, size_t count>
-    void add(const char* name, Enum value, Enum usual, const std::array<const char*, count>& names)
+    void add(const char* name, Enum value, Enum byDefault, const std::array<const char*, count>& names)
     {
-        if (value != usual)
+        if (value != byDefault)
             set(name, names.at(size_t(value)));
     }
-    void set(const char* name, const std::string& value)
+    void set(const std::string& name, const std::string& value)
     {
         text_ += fmt::format(" {} {}", name, quoted(value));
     }
@@ -45,30 +45,14 @@ private:
     std::string text_;
 };
 
-void addSettings(Options& options, const Settings& s)
+void addSettings(Options& options, const SceneArguments& a)
 {
-    const Settings defaults;
-    options.add("--shading", s.shading, defaults.shading, kShadingNames);
-    options.add("--view", s.view, defaults.view, kViewNames);
-    if (s.shading == Shading::reference)
-        options.add("--samples", s.samples, defaults.samples);
-    options.add("--draw-filter", s.filter, defaults.filter, kDrawFilterNames);
-    options.add("--level-offset", s.levelOffset, defaults.levelOffset);
-    options.add("--lumels-per-pixel", s.lumelsPerPixel, defaults.lumelsPerPixel);
-    options.add("--lumel-budget", s.lumelBudget, defaults.lumelBudget);
-    options.add("--refresh-share", s.refreshShare, defaults.refreshShare);
-    options.add("--tolerance", s.tolerance, defaults.tolerance);
-    options.add("--anisotropy", s.anisotropy, defaults.anisotropy);
-    options.add("--msaa", s.msaa, defaults.msaa);
-    options.add("--environment-intensity", s.environmentIntensity, defaults.environmentIntensity);
-    options.add("--environment-rotation", s.environmentRotation, defaults.environmentRotation);
-    if (s.ambient)
-        options.set("--ambient", fmt::format("{}", *s.ambient));
-    if (!s.shadows)
-        options.set("--shadows", "off");
-    options.add("--shadow-size", s.shadowSize, defaults.shadowSize);
-    options.add("--tone-map", s.toneMap, defaults.toneMap, kToneMapNames);
-    options.add("--pool-mb", s.poolBytes >> 20, defaults.poolBytes >> 20);
+    forEachSetting([&](const auto& setting) {
+        const std::string text = textOf(setting, a.settings);
+        const bool chosen = describes(setting, &Settings::exposure) && a.exposure == ExposureChoice::fixed;
+        if (chosen || (appliesTo(setting, a.settings) && text != textOf(setting, Settings())))
+            options.set("--" + std::string(setting.name), text);
+    });
 }
 
 } // namespace
@@ -79,7 +63,6 @@ std::string shotCommand(const SceneArguments& a, const scene::ViewCamera& camera
     const SceneArguments defaults;
     Options options;
     options.set("-o", output.string());
-    options.set("--size", fmt::format("{}x{}", a.settings.size.x, a.settings.size.y));
     const scene::Camera& c = camera.camera();
     const auto point = [](glm::vec3 p) { return fmt::format("{},{},{}", p.x, p.y, p.z); };
     if (camera.moved()) {
@@ -102,9 +85,7 @@ std::string shotCommand(const SceneArguments& a, const scene::ViewCamera& camera
         options.set("--material", name + "=" + std::filesystem::absolute(file).string());
     options.add("--filter", a.filter, defaults.filter, kFilterNames);
     options.add("--model", a.model, defaults.model, kModelNames);
-    addSettings(options, a.settings);
-    if (a.exposure == ExposureChoice::fixed || a.settings.exposure != defaults.settings.exposure)
-        options.set("--exposure", fmt::format("{}", a.settings.exposure));
+    addSettings(options, a);
     options.add("--device", a.device.device, defaults.device.device);
     return "lumel shot " + quoted(std::filesystem::absolute(a.scene).string()) + options.text();
 }

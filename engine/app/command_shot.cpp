@@ -26,11 +26,10 @@ public:
             digits_ = match[1].matched ? std::stoi(match[1]) : 1;
             numbered_ = true;
         }
-        // A lone % is a letter like any other, but among many frames it is more likely a slip.
+        // A lone % is a character like any other, but with many frames it is more likely a mistake.
         if (std::regex_search(after_, conversion) ||
             (frames > 1 && (numbered_ ? before_ + after_ : name).find('%') != std::string::npos))
-            throw Error(
-                fmt::format("{}: write one %d or %04d where the frame's number goes", output.string()));
+            throw Error(fmt::format("{}: write one %d or %04d for the frame's number", output.string()));
     }
     bool numbered() const { return numbered_; }
     std::filesystem::path of(int frame) const
@@ -84,8 +83,9 @@ void printSummary(const ShotArguments& arguments, const RunInfo& run, const std:
             lumels += double(frames[i].lumelsLit) / later;
             ms += frames[i].ms / later;
         }
-        line += fmt::format(", {} frames ({}): {} lumels lit in {:.0f} ms, then {:.0f} in {:.1f} ms a frame",
-                            frames.size(), run.options.at("path"), first.lumelsLit, first.ms, lumels, ms);
+        line +=
+            fmt::format(", {} frames ({}): {} lumels lit in {:.0f} ms, then {:.0f} in {:.1f} ms per frame",
+                        frames.size(), run.options.at("path"), first.lumelsLit, first.ms, lumels, ms);
     }
     fmt::print("{} on {}\n", line, run.device);
 }

@@ -14,7 +14,7 @@ namespace lumel {
 struct BakeArguments {
     std::filesystem::path height, normal, powerMap, roughness, tangentRotation, output;
     float heightScale = 0.0f;
-    std::string normalGreen = "up";
+    bool normalGreenUp = true;                    // green points along the bitangent
     std::string specular = "0.04", diffuse = "0"; // a number, r,g,b or an image
     float power = 200.0f;
     std::vector<float> anisotropicPower; // along T and B; empty = isotropic
@@ -57,14 +57,15 @@ struct ShotArguments : SceneArguments {
 };
 void runShot(const ShotArguments& arguments);
 
-// A way of shading by its name in `bench`: tsl, forward or reference, then optionally a filter and a number
-// of samples, each after a hyphen: forward-average, forward-16. With samples it is forward shading at the
-// finest level, so many times a pixel.
+// A way of shading by its name in `bench`: tsl, forward, forward-aniso or reference, then optionally a filter
+// and a number of samples, each after a hyphen: forward-average, forward-16. With samples it is forward
+// shading at the finest level, so many samples per pixel.
 struct BenchShading {
     std::string name = "tsl";
     Shading shading = Shading::tsl;
-    std::optional<baker::Method> filter; // none: that of --filter
-    int samples = 0;                     // 0: that of --samples
+    bool anisotropic = false;              // forward: as --forward-anisotropy says
+    std::optional<baker::Method> filter{}; // none: that of --filter
+    int samples = 0;                       // 0: that of --samples
 };
 
 // From `frame` on, `lights` lights of scene::lightRing().
@@ -88,7 +89,7 @@ struct BenchArguments : SceneArguments {
     bool flicker = false;
     std::filesystem::path json, csv, plot;
     std::vector<std::filesystem::path> compare; // two files of `json`: in place of a measurement
-    double limit = 0.0;                         // 0: none
+    std::optional<double> limit;                // of their ratios
 };
 // False when a ratio exceeds the limit.
 bool runBench(const BenchArguments& arguments);
@@ -111,5 +112,10 @@ struct CompareArguments {
 };
 // False when the PSNR is below psnrMin.
 bool runCompare(const CompareArguments& arguments);
+
+struct HelpArguments {
+    std::string command; // empty: all
+    bool markdown = false;
+};
 
 } // namespace lumel

@@ -9,44 +9,25 @@ namespace {
 
 using namespace lumel;
 
-int run(int argc, char** argv)
+int run(const std::vector<std::string>& words)
 {
-    CLI::App app("lumel: texture-space lighting with fitted reflectance MIPs");
-    app.name("lumel");
-    app.require_subcommand(1);
-    app.set_version_flag("--version", LUMEL_VERSION);
-    BakeArguments bake;
-    ShotArguments shot;
-    ViewArguments view;
-    CompareArguments compare;
-    BenchArguments bench;
-    addBake(app, bake);
-    addShot(app, shot);
-    addView(app, view);
-    addCompare(app, compare);
-    addBench(app, bench);
-    app.add_subcommand("help", "Show this help");
-    const std::string help = app.help(); // after parsing, CLI11 would print the subcommand's own
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() == 0)
-            return app.exit(e); // --help, --version
-        std::fprintf(stderr, "lumel: %s; see lumel --help\n", e.what());
-        return 2;
-    }
-    if (app.got_subcommand("help"))
-        std::fputs(help.c_str(), stdout);
-    if (app.got_subcommand("bake"))
-        runBake(bake);
-    if (app.got_subcommand("shot"))
-        runShot(shot);
-    if (app.got_subcommand("bench"))
-        return runBench(bench) ? 0 : 1;
-    if (app.got_subcommand("view"))
-        runView(view);
-    if (app.got_subcommand("compare"))
-        return runCompare(compare) ? 0 : 1;
+    CommandLine line("lumel", "Texture-space lighting with fitted reflectance MIP levels", LUMEL_VERSION);
+    Arguments arguments;
+    addCommands(line, arguments);
+    const std::string command = line.parse(words);
+    if (command == "help")
+        std::fputs((arguments.help.markdown ? line.markdown() : line.help(arguments.help.command)).c_str(),
+                   stdout);
+    if (command == "bake")
+        runBake(arguments.bake);
+    if (command == "shot")
+        runShot(arguments.shot);
+    if (command == "view")
+        runView(arguments.view);
+    if (command == "bench")
+        return runBench(arguments.bench) ? 0 : 1;
+    if (command == "compare")
+        return runCompare(arguments.compare) ? 0 : 1;
     return 0;
 }
 
@@ -58,9 +39,12 @@ int main(int argc, char** argv)
     catchInterrupts();
     try {
         const DecoderProcess decoder; // before any thread
-        return run(argc, argv);
+        return run({argv + 1, argv + argc});
+    } catch (const UsageError& e) {
+        std::fprintf(stderr, "lumel: %s; see lumel --help\n", e.what());
+        return 2;
     } catch (const Interrupted&) {
-        std::fputs("lumel: interrupted; nothing unfinished was written\n", stderr);
+        std::fputs("lumel: interrupted; no incomplete file was written\n", stderr);
         return 130;
     } catch (const std::bad_alloc&) {
         std::fputs("lumel: out of memory; use smaller maps or a smaller --size\n", stderr);

@@ -2,15 +2,18 @@
 #pragma once
 #include "renderer/frame.h"
 #include "scene/camera_path.h"
+#include <array>
 #include <optional>
 
 namespace lumel {
 
+inline constexpr std::array kPathNames{"still", "orbit", "dolly", "pan", "animation"}; // scene::Path
+
 struct PathOptions {
     scene::Path path = scene::Path::still;
-    std::optional<double> step;    // degrees or percent a frame; none = the path's usual one
+    std::optional<double> step;    // degrees or percent per frame; none = the path's default
     std::optional<double> seconds; // of the scene's animation in frame 0; none = nothing moves but the camera
-    double timeStep = 1.0 / 30.0;  // seconds a frame
+    double timeStep = 1.0 / 30.0;  // seconds per frame
 
     double stepOrDefault() const { return step.value_or(scene::defaultStep(path)); }
 };

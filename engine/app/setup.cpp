@@ -1,6 +1,6 @@
 #include "setup.h"
 #include "core/error.h"
-#include "renderer/names.h"
+#include "renderer/setting_text.h"
 #include "scene/environment.h"
 #include "scene/view_camera.h"
 #include "scene/visibility.h"
@@ -10,8 +10,6 @@
 
 namespace lumel {
 namespace {
-
-constexpr const char* kPathNames[] = {"still", "orbit", "dolly", "pan", "animation"};
 
 std::string text(double number)
 {
@@ -25,7 +23,7 @@ ChosenCamera defaultCamera(const SceneArguments& arguments, const scene::Scene& 
         const scene::Camera& first = scene.cameras.front();
         if (scene::seesAnything(scene, first, aspect))
             return {first};
-        spdlog::info("{}: its camera '{}' sees nothing; the scene is framed instead (--camera 0 insists)",
+        spdlog::info("{}: its camera '{}' sees nothing; the scene is framed instead (--camera 0 keeps it)",
                      arguments.scene.string(), first.name);
     }
     return {scene::frameBounds(scene.bounds, aspect), false};
@@ -80,6 +78,13 @@ float chooseExposure(const SceneArguments& arguments, const scene::Scene& scene,
     return exposure;
 }
 
+std::map<std::string, std::string> settingTexts(const Settings& settings)
+{
+    std::map<std::string, std::string> texts;
+    forEachSetting([&](const auto& setting) { texts[setting.name] = textOf(setting, settings); });
+    return texts;
+}
+
 RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, const scene::Camera& camera,
                     const gpu::Device& device)
 {
@@ -97,27 +102,10 @@ RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, co
                             {"path", kPathNames[size_t(path.path)]},
                             {"step", text(path.stepOrDefault())},
                             {"model", kModelNames[size_t(arguments.model)]},
-                            {"samples", std::to_string(settings.samples)},
-                            {"msaa", std::to_string(settings.msaa)},
-                            {"draw-filter", kDrawFilterNames[size_t(settings.filter)]},
-                            {"anisotropy", text(settings.anisotropy)},
-                            {"level-offset", text(settings.levelOffset)},
-                            {"lumels-per-pixel", text(settings.lumelsPerPixel)},
-                            {"refresh-share", text(settings.refreshShare)},
-                            {"tolerance", text(settings.tolerance)},
-                            {"exposure", text(settings.exposure)},
-                            {"environment", arguments.environment.empty() ? "auto" : arguments.environment},
-                            {"ambient", settings.ambient ? text(*settings.ambient) : "auto"},
-                            {"environment-intensity", text(settings.environmentIntensity)},
-                            {"shadows", settings.shadows ? "on" : "off"},
-                            {"shadow-size", std::to_string(settings.shadowSize)},
-                            {"environment-rotation", text(settings.environmentRotation)}}};
+                            {"environment", arguments.environment.empty() ? "auto" : arguments.environment}}};
+    run.options.merge(settingTexts(settings));
     if (arguments.lights > 0)
         run.options["lights"] = std::to_string(arguments.lights);
-    if (settings.budgetMs > 0.0)
-        run.options["budget-ms"] = text(settings.budgetMs);
-    if (settings.lumelBudget != ~0u)
-        run.options["lumel-budget"] = std::to_string(settings.lumelBudget);
     if (path.seconds) {
         run.options["time"] = text(*path.seconds);
         run.options["time-step"] = text(path.timeStep);

@@ -1,4 +1,4 @@
-// What the commands that render have in common before the first frame, and how they call what they did.
+// What the commands that render have in common before the first frame, and how they describe a run.
 #pragma once
 #include "commands.h"
 #include "renderer/stats.h"
@@ -20,6 +20,9 @@ bool hasOwnLights(const SceneArguments& arguments, const scene::Scene& scene);
 // renderer's scene is as it is to be shown.
 float chooseExposure(const SceneArguments& arguments, const scene::Scene& scene, Renderer& renderer,
                      const scene::Camera& camera);
+
+// Every setting by its option's name, as the statistics have it.
+std::map<std::string, std::string> settingTexts(const Settings& settings);
 
 // The head of the statistics.
 RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, const scene::Camera& camera,

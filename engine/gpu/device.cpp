@@ -70,7 +70,7 @@ std::string whyUnusable(const vk::raii::PhysicalDevice& device, const Demands& d
     std::string missing = properties.apiVersion < VK_API_VERSION_1_3 ? "Vulkan 1.3" : missingFeature(device);
     const std::optional<uint32_t> family = queueFamilyOf(device);
     if (missing.empty() && !family)
-        missing = "a queue that draws and computes";
+        missing = "a queue family with graphics and compute";
     if (!missing.empty())
         return fmt::format("{} lacks {}", properties.deviceName.data(), missing);
     return fmt::format("{}", fmt::join(unmet(limitsOf(device, *family, demands), demands), ", "));

@@ -30,15 +30,18 @@ vk::raii::ShaderModule makeModule(const Device& device, const std::string& shade
 // Specialisation constants by their numbers; shaders without one of them do not mind. Not to be copied:
 // Vulkan's struct points into it.
 struct Constants {
-    Constants(uint32_t features, uint32_t filter) : values{features, filter} {}
+    Constants(uint32_t features, uint32_t filter, uint32_t anisotropy) : values{features, filter, anisotropy}
+    {
+        for (uint32_t i = 0; i < values.size(); ++i)
+            entries[i] = vk::SpecializationMapEntry{
+                .constantID = i, .offset = i * uint32_t(sizeof(uint32_t)), .size = sizeof(uint32_t)};
+        info.setMapEntries(entries).setData<uint32_t>(values);
+    }
     Constants(const Constants&) = delete;
     Constants& operator=(const Constants&) = delete;
-    uint32_t values[2];
-    vk::SpecializationMapEntry entries[2] = {
-        {.constantID = 0, .offset = 0, .size = sizeof(uint32_t)},
-        {.constantID = 1, .offset = sizeof(uint32_t), .size = sizeof(uint32_t)}};
-    vk::SpecializationInfo info{
-        .mapEntryCount = 2, .pMapEntries = entries, .dataSize = sizeof(values), .pData = values};
+    std::array<uint32_t, 3> values;
+    std::array<vk::SpecializationMapEntry, 3> entries;
+    vk::SpecializationInfo info;
 };
 
 vk::raii::PipelineLayout makeLayout(const Device& device, const std::vector<vk::DescriptorSetLayout>& sets,
@@ -135,7 +138,7 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
                              const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
                              uint32_t features)
 {
-    const Constants constants(features, 0);
+    const Constants constants(features, 0, 1);
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);
     const auto module = makeModule(device, shader);
@@ -174,7 +177,7 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
 {
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
-    const Constants constants(info.features, info.filter);
+    const Constants constants(info.features, info.filter, info.anisotropy);
     std::vector<vk::raii::ShaderModule> modules;
     std::vector<vk::PipelineShaderStageCreateInfo> stages;
     const auto addStage = [&](vk::ShaderStageFlagBits stage, const std::string& shader) {

@@ -41,6 +41,7 @@ struct GraphicsInfo {
     // Specialisation constants of both shaders, where they have them.
     uint32_t features = 0;   // kFeature...
     uint32_t filter = 0;     // kFilter...
+    uint32_t anisotropy = 1; // of forward shading's material lookups
     bool blend = false;      // over, straight alpha; equal depth passes, none is written
     bool background = false; // at infinity, where nothing else is drawn
 };

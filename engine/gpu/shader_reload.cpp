@@ -60,7 +60,7 @@ struct TemporaryFolder {
     {
         std::string name = (std::filesystem::temp_directory_path() / "lumel-shaders-XXXXXX").string();
         if (!mkdtemp(name.data()))
-            throw Error("no temporary folder; set TMPDIR to one that can be written");
+            throw Error("no temporary folder; set TMPDIR to a writable one");
         path = name;
     }
     ~TemporaryFolder()

@@ -4,6 +4,7 @@
 #include "core/math.h"
 #include "core/progress.h"
 #include "resources/culling.h"
+#include "setting_table.h"
 #include <chrono>
 
 namespace lumel {
@@ -16,7 +17,7 @@ void Renderer::recordFrame(Frame& frame)
     if (settings_.shading == Shading::tsl)
         recordTextureSpace(frame);
     if (settings_.shading == Shading::reference)
-        recordReference(frame); // ground truth: many shifted forward frames at level 0
+        recordReference(frame); // ground truth: many jittered forward frames at level 0
     else
         draw_.record(frame, pool_); // look the light up, per pixel
     display_.record(frame, settings_.shading == Shading::reference ? sumSamples_ : 0); // tone-map, once
@@ -153,40 +154,27 @@ void Renderer::restart()
 
 void Renderer::setSettings(const Settings& settings)
 {
-    const Settings before = std::exchange(settings_, settings);
-    const auto targetsOf = [](const Settings& s) {
-        const bool reference = s.shading == Shading::reference;
-        return std::tuple(s.size, reference, reference ? 1 : s.msaa, s.budgetMs > 0.0);
-    };
-    if (targetsOf(settings) != targetsOf(before)) {
+    const unsigned changed = changes(std::exchange(settings_, settings), settings);
+    if (changed & invalidates::targets) {
         targets_ = Targets(device_, settings);
         display_.connect(device_, targets_);
-        sumSamples_ = 0;
     }
-    const auto lightOf = [](const Settings& s) {
-        return std::tuple(s.environmentIntensity, s.environmentRotation, s.ambient, s.shadows, s.shadowSize);
-    };
-    if (lightOf(settings) != lightOf(before))
+    if (changed & invalidates::sum)
         sumSamples_ = 0; // lumels see to it that what changed is lit again
-    if (settings.size != before.size)
+    if (changed & invalidates::feedback)
         feedback_.resize(device_, settings.size);
-    if (settings.budgetMs != before.budgetMs) {
+    if (changed & invalidates::budget) {
         budget_.reset();
         if (settings.budgetMs > 0.0)
             budget_.emplace(settings.budgetMs);
         quality_ = {};
         budgetMissed_ = false;
     }
-    if (settings.poolBytes != before.poolBytes)
+    if (changed & invalidates::pool) {
         pool_.clear(settings.poolBytes);
-    // Whatever decides which lumels a view needs, or how they are lit.
-    const auto lumelsOf = [](const Settings& s) {
-        return std::tuple(s.size, s.poolBytes, s.levelOffset, s.anisotropy, s.lumelsPerPixel, s.tolerance,
-                          s.filter);
-    };
-    if (lumelsOf(settings) != lumelsOf(before)) {
-        if (settings.poolBytes != before.poolBytes)
-            residency_ = {};
+        residency_ = {};
+    }
+    if (changed & invalidates::lumels) {
         knownView_ = glm::mat4(0.0f);
         detail_.reset();
     }

@@ -1,4 +1,5 @@
-// What a frame is asked to be: every field is also an option of the commands.
+// What a frame is rendered with. setting_table.h describes every field: option, panel, what a change
+// invalidates.
 #pragma once
 #include <cstddef>
 #include <glm/glm.hpp>
@@ -34,23 +35,24 @@ struct Settings {
     Shading shading = Shading::tsl;
     glm::uvec2 size{960, 540};
     DrawFilter filter = DrawFilter::catmullRom;
-    float anisotropy = 8.0f; // most taps along a footprint's long axis when drawing lit textures
-    int msaa = 4;            // coverage samples of tsl and forward: 1 or 4
-    int samples = 64;        // reference: shifted frames per picture
+    float anisotropy = 8.0f;   // most taps along a footprint's major axis when drawing lit textures
+    int forwardAnisotropy = 1; // the same of forward shading's material lookups; 1 = isotropic
+    int msaa = 4;              // coverage samples of tsl and forward: 1 or 4
+    int samples = 64;          // reference: jittered frames per picture
     bool shadows = true;
-    uint32_t shadowSize = 2048; // texels a side of each map
+    uint32_t shadowSize = 2048; // texels along a side of each map
     float environmentIntensity = 1.0f;
     float environmentRotation = 0.0f; // degrees about +Y
-    // Radiance of an even sky, and a third of it from the ground, beside the environment. Nothing: 4 %
+    // Radiance of a uniform sky, and a third of it from the ground, beside the environment. Nothing: 4 %
     // of the brightest sun's illuminance where there is no environment, else 0.
     std::optional<float> ambient;
     float exposure = 1.0f;
     ToneMap toneMap = ToneMap::neutral;
     size_t poolBytes = size_t(256) << 20;
-    float levelOffset = 0.25f;       // levels that lumels are coarser than one a pixel, at least
+    float levelOffset = 0.25f;       // levels that lumels are coarser than one per pixel, at least
     float lumelsPerPixel = 2.8f;     // grazing angles lose detail before a view needs more
-    uint32_t lumelBudget = ~0u;      // lit a frame at most, whole tiles
-    float refreshShare = 0.18f;      // of the marked tiles, lit again a frame because the eye moved
+    uint32_t lumelBudget = ~0u;      // lit per frame at most, whole tiles
+    float refreshShare = 0.18f;      // of the marked tiles, lit again per frame because the eye moved
     float tolerance = 0.5f / 255.0f; // display value: tiles expected to change less are kept
     double budgetMs = 0.0;           // to hold a frame's time within; 0 = none
 };

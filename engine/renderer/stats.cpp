@@ -1,4 +1,5 @@
 #include "stats.h"
+#include "core/pass_names.h"
 #include "core/statistics.h"
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -15,10 +16,11 @@ json orNull(std::optional<double> value)
 
 json frameJson(const FrameStats& f)
 {
-    json passes = {{"shadow", 0.0}, {"feedback", 0.0}, {"plan", 0.0},   {"light", 0.0},
-                   {"lower", 0.0},  {"draw", 0.0},     {"display", 0.0}};
-    for (const auto& [name, ms] : f.passMs)
-        passes[name] = ms;
+    json passes;
+    for (const char* name : kPassNames) {
+        const auto ms = f.passMs.find(name);
+        passes[name] = ms == f.passMs.end() ? 0.0 : ms->second;
+    }
     return {{"ms", f.ms},
             {"passes", passes},
             {"lumels",

@@ -73,7 +73,7 @@ void Viewer::open(const std::filesystem::path& file, glm::vec2 at, const ui::Lay
         state_.environment = file.string();
     else
         throw Error(
-            fmt::format("{}: drop a .gltf or .glb scene, a .hdr to light it, or a baked .exr on a surface",
+            fmt::format("{}: drop a .gltf or .glb scene, a .hdr environment, or a baked .exr on a surface",
                         file.filename().string()));
 }
 
@@ -85,7 +85,8 @@ void Viewer::replaceMaterial(const std::filesystem::path& file, glm::vec2 at, co
     const float aspect = layout.picture.x / layout.picture.y;
     const auto hit = scene::pick(*scene, scene::rayThrough(state_.camera.camera(), at, aspect));
     if (!hit)
-        throw Error(file.filename().string() + ": drop a baked file on the surface that is to take it");
+        throw Error(file.filename().string() +
+                    ": drop a baked file on the surface whose material it replaces");
     auto changed = std::make_shared<scene::Scene>(*scene);
     scene::Material& material = changed->materials[size_t(scene->objects[hit->object].material)];
     for (scene::Material& other : changed->materials) // the option goes by name
@@ -99,7 +100,7 @@ SceneArguments Viewer::argumentsOf(size_t side) const
 {
     SceneArguments a = arguments_;
     a.settings = renderers_->settings(side);
-    a.settings.budgetMs = 0.0; // what it gives depends on the machine's load
+    a.settings.budgetMs = 0.0; // its quality depends on the machine's load
     if (a.settings.shading == Shading::reference)
         a.settings.samples = renderers_->samples(side);
     a.filter = renderers_->method(side);
@@ -118,7 +119,7 @@ void Viewer::copyCommand()
     std::string text;
     for (size_t side = 0; side < (state_.split ? 2u : 1u); ++side) {
         if (!renderers_->picture(side))
-            throw Error("nothing is rendered yet; try again");
+            throw Error("nothing has been rendered yet; try again");
         const char* const name = !state_.split ? "lumel.png"
                                  : side == 0   ? "lumel-left.png"
                                                : "lumel-right.png";
@@ -137,7 +138,7 @@ void Viewer::takeScreenshot(const char* extension)
     std::string commands, names;
     for (size_t side = 0; side < (state_.split ? 2u : 1u); ++side) {
         if (!renderers_->picture(side))
-            throw Error("nothing is rendered yet; try again");
+            throw Error("nothing has been rendered yet; try again");
         const char* const suffix = !state_.split ? "" : side == 0 ? "-left" : "-right";
         const std::filesystem::path file = stem + suffix + extension;
         writeImage(file, renderers_->screenshot(state_, side, std::string_view(extension) == ".exr"));
@@ -145,14 +146,14 @@ void Viewer::takeScreenshot(const char* extension)
         names += (names.empty() ? "" : ", ") + file.string();
     }
     writeFileAtomically(stem + ".txt", commands);
-    say(fmt::format("written: {}, and {}.txt with the command", names, stem));
+    say(fmt::format("saved {}, and the command in {}.txt", names, stem));
 }
 
 void Viewer::reloadShaders()
 {
     gpu::reloadShaders();
     renderers_->restart();
-    say("the shaders are compiled anew");
+    say("shaders reloaded");
 }
 
 void Viewer::toggleFullscreen()

@@ -22,7 +22,8 @@ struct Glfw {
                                     lastGlfwError.empty() ? "GLFW" : lastGlfwError));
         if (!glfwVulkanSupported()) {
             glfwTerminate();
-            throw Error("Vulkan: no driver that shows windows; install one, for example mesa-vulkan-drivers");
+            throw Error("Vulkan: no device can present to a window; install a driver, for example "
+                        "mesa-vulkan-drivers");
         }
     }
     ~Glfw() { glfwTerminate(); }
@@ -41,8 +42,8 @@ void runView(const ViewArguments& arguments)
         return;
     }
 #ifdef __GLIBC__
-    // Materials that are given up leave holes of many MiB in the heap, which glibc's growing threshold would
-    // keep: large blocks are to go back to the system, however many scenes and filters are looked at.
+    // Freed materials leave holes of many MiB in the heap, which glibc's growing threshold would keep: large
+    // blocks go back to the system, however many scenes and filters were shown.
     mallopt(M_MMAP_THRESHOLD, 1 << 20);
 #endif
     const Glfw glfw;

@@ -32,7 +32,7 @@ struct Inspection : baker::TexelLobes {
 class Inspector {
 public:
     ~Inspector();
-    // Looks at this texel unless it is the one looked at last. Ignored while the last is under way.
+    // Inspects this texel unless it was the last one. Ignored while one is in progress.
     void look(std::shared_ptr<const scene::Scene> scene,
               std::shared_ptr<const std::vector<scene::BakedMaterial>> baked, const Texel& texel);
     // Moves a new result to `inspection`.

@@ -19,7 +19,7 @@ class Loader {
 public:
     ~Loader() { cancel(); }
 
-    // Begins; what is under way is given up. Without `known` the file is loaded first. `finish` may change
+    // Begins; cancels a load in progress. Without `known` the file is loaded first. `finish` may change
     // the scene before its materials are baked.
     void begin(const std::filesystem::path& file, const MaterialOptions& options,
                std::shared_ptr<const Scene> known = {}, std::function<void(Scene&)> finish = {});
@@ -27,7 +27,7 @@ public:
     const ProgressMonitor& progress() const { return *monitor_; }
     // The result once it is there. Throws Error when the work failed; the loader is then idle.
     std::unique_ptr<LoadedScene> take();
-    // Gives up what is under way, and waits for that.
+    // Cancels a load in progress, and waits for it.
     void cancel();
 
 private:

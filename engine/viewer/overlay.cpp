@@ -14,28 +14,28 @@ struct Key {
     const char* keys;
     const char* what;
 };
-constexpr Key kKeys[] = {{"Left drag", "turn around the target"},
+constexpr Key kKeys[] = {{"Left drag", "orbit the target"},
                          {"Right drag", "look around"},
-                         {"Middle drag, Shift + left", "move sideways"},
-                         {"Wheel", "nearer, farther"},
-                         {"W A S D, Q E", "fly; with Shift faster"},
-                         {"Click, double click", "select an object, look at it"},
-                         {"1 2 3", "texture space, forward, reference, on the side of the cursor"},
+                         {"Middle drag, Shift + left", "pan"},
+                         {"Wheel", "dolly in and out"},
+                         {"W A S D, Q E", "fly; faster with Shift"},
+                         {"Click, double click", "select an object, focus on it"},
+                         {"1 2 3", "texture space, forward or reference on the side of the cursor"},
                          {"F, Shift + F", "next, previous filter on the side of the cursor"},
-                         {"V, Shift + V", "next, previous view"},
+                         {"V, Shift + V", "next, previous debug view"},
                          {"X", "compare two pictures; drag the line between them"},
                          {"C", "copy as command"},
-                         {"F12, Shift + F12", "screenshot as PNG, EXR; the command is put beside it"},
+                         {"F12, Shift + F12", "screenshot as PNG, EXR, with its command in a text file"},
                          {"R", "reload the shaders"},
-                         {"P", "play or stop the scene's animation"},
-                         {"Space, .", "pause, one frame"},
+                         {"P", "play or pause the scene's animation"},
+                         {"Space, .", "pause rendering, step one frame"},
                          {"H", "hide or show the panels"},
                          {"F11", "full screen"},
                          {"Home", "reset the view"},
                          {"?, F1", "this help"},
                          {"Ctrl + Q", "quit"}};
 
-// Text on a shade, with its upper left (or right) corner there; returns its width.
+// Text on a dark background, with its upper left (or right) corner there.
 void note(const std::string& text, ImVec2 at, float scale, ImU32 colour, bool toTheLeft = false)
 {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
@@ -76,13 +76,13 @@ void drawSplit(const ViewState& state, const ViewReport& report, const Layout& l
         list->AddRectFilled({x - grip, middle - 4.0f * grip}, {x + grip, middle + 4.0f * grip},
                             IM_COL32(255, 255, 255, 235), grip);
         const bool measured = state.settings.view == View::none;
-        // Two rows, so that the labels never meet, however long.
+        // Two rows, so that long labels never overlap.
         const float row = ImGui::GetFontSize() + 16.0f * layout.scale;
         note(describe(state.sides[0], report.sides[0], measured), {margin, margin}, layout.scale, kText);
         note(describe(state.sides[1], report.sides[1], measured), {layout.picture.x - margin, margin + row},
              layout.scale, kText, true);
         if (report.referenceSamples > 0)
-            note(fmt::format("errors against {} samples a pixel", report.referenceSamples),
+            note(fmt::format("PSNR against {} samples per pixel", report.referenceSamples),
                  {margin, margin + row}, layout.scale, kFaint);
     }
     if (state.settings.view != View::none)

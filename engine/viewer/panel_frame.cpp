@@ -1,22 +1,24 @@
-// What a frame costs: the times of the last frames, the passes of the newest, lumels and memory.
+// What a frame costs: the times of the last frames, the passes of the latest, lumels and memory.
+#include "core/pass_names.h"
 #include "panels.h"
-#include "renderer/names.h"
+#include "setting_widgets.h"
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 
 namespace lumel::ui {
 namespace {
 
-struct Pass {
-    const char* name;
-    ImU32 colour;
-};
-constexpr Pass kPasses[] = {
-    {"shadow", IM_COL32(150, 110, 190, 255)}, {"feedback", IM_COL32(94, 160, 220, 255)},
-    {"plan", IM_COL32(120, 132, 220, 255)},   {"light", IM_COL32(236, 168, 72, 255)},
-    {"lower", IM_COL32(206, 120, 76, 255)},   {"draw", IM_COL32(104, 190, 130, 255)},
-    {"display", IM_COL32(170, 174, 184, 255)}};
+// Of kPassNames.
+constexpr std::array<ImU32, kPassNames.size()> kPassColours{
+    IM_COL32(200, 96, 128, 255),  IM_COL32(150, 110, 190, 255), IM_COL32(94, 160, 220, 255),
+    IM_COL32(120, 132, 220, 255), IM_COL32(236, 168, 72, 255),  IM_COL32(206, 120, 76, 255),
+    IM_COL32(104, 190, 130, 255), IM_COL32(170, 174, 184, 255)};
+
+double passMs(const FrameSample& sample, const char* pass)
+{
+    const auto found = sample.passMs.find(pass);
+    return found == sample.passMs.end() ? 0.0 : found->second;
+}
 
 float rowHeight()
 {
@@ -38,8 +40,8 @@ void bar(float share, ImU32 colour, ImVec2 at, ImVec2 size)
         list->AddRectFilled(at, {at.x + width, at.y + size.y}, colour, 2.0f);
 }
 
-// Milliseconds that the graph spans: twice the median, rounded up so that it seldom changes. Single long
-// frames, such as a scene's first, are cut off.
+// Milliseconds that the graph spans: twice the median, rounded up so that it rarely changes. Single long
+// frames, such as a scene's first, are clipped.
 float spanOf(const ViewReport& report)
 {
     std::vector<float> times;
@@ -73,13 +75,12 @@ void drawGraph(const ViewReport& report, double budgetMs)
         const float top = base - size.y * std::min(sample.ms / span, 1.0f);
         list->AddRectFilled({left, top}, {left + std::max(1.0f, width - 1.0f), base},
                             IM_COL32(70, 74, 84, 255));
-        for (const Pass& pass : kPasses) {
-            const auto found = sample.passMs.find(pass.name);
-            if (found == sample.passMs.end())
+        for (size_t pass = 0; pass < kPassNames.size(); ++pass) {
+            const float height = size.y * std::min(float(passMs(sample, kPassNames[pass])) / span, 1.0f);
+            if (height == 0.0f)
                 continue;
-            const float height = size.y * std::min(float(found->second) / span, 1.0f);
             list->AddRectFilled({left, std::max(base - height, top)},
-                                {left + std::max(1.0f, width - 1.0f), base}, pass.colour);
+                                {left + std::max(1.0f, width - 1.0f), base}, kPassColours[pass]);
             base = std::max(base - height, top);
         }
     }
@@ -97,14 +98,13 @@ void drawPasses(const FrameSample& newest)
     double most = 1e-3;
     for (const auto& [name, ms] : newest.passMs)
         most = std::max(most, ms);
-    for (const Pass& pass : kPasses) {
-        const auto found = newest.passMs.find(pass.name);
-        const double ms = found == newest.passMs.end() ? 0.0 : found->second;
+    for (size_t pass = 0; pass < kPassNames.size(); ++pass) {
+        const double ms = passMs(newest, kPassNames[pass]);
         const ImVec2 at = ImGui::GetCursorScreenPos();
         const float width = ImGui::GetContentRegionAvail().x, height = rowHeight();
         ImDrawList* list = ImGui::GetWindowDrawList();
-        list->AddText(at, ms > 0.0 ? kText : kFaint, pass.name);
-        bar(float(ms / most), pass.colour, {at.x + column, at.y + 0.25f * height},
+        list->AddText(at, ms > 0.0 ? kText : kFaint, kPassNames[pass]);
+        bar(float(ms / most), kPassColours[pass], {at.x + column, at.y + 0.25f * height},
             {width - column - number, 0.5f * height});
         const std::string text = fmt::format("{:.{}f} ms", ms, ms < 100.0 ? 1 : 0);
         list->AddText({at.x + width - ImGui::CalcTextSize(text.c_str()).x, at.y}, ms > 0.0 ? kText : kFaint,
@@ -129,47 +129,12 @@ std::string thousands(size_t number)
     return fmt::format("{} {:03}", thousands(number / 1000), number % 1000);
 }
 
-void drawLumelSettings(Settings& s)
-{
-    const auto flags = ImGuiSliderFlags_AlwaysClamp;
-    label("Frame budget");
-    auto budgetMs = float(s.budgetMs);
-    if (ImGui::SliderFloat("##budgetms", &budgetMs, 0.0f, 200.0f, budgetMs > 0.0f ? "%.0f ms" : "none",
-                           flags))
-        s.budgetMs = std::round(budgetMs);
-    label("Level offset");
-    ImGui::SliderFloat("##offset", &s.levelOffset, -1.0f, 4.0f, "%.2f levels", flags);
-    label("Density limit");
-    ImGui::SliderFloat("##density", &s.lumelsPerPixel, 0.5f, 16.0f, "%.1f lumels a pixel", flags);
-    label("Lit a frame");
-    float budget = s.lumelBudget == ~0u ? 1e7f : float(s.lumelBudget);
-    if (ImGui::SliderFloat("##budget", &budget, 64.0f, 1e7f, budget >= 1e7f ? "unlimited" : "%.0f lumels",
-                           flags | ImGuiSliderFlags_Logarithmic))
-        s.lumelBudget = budget >= 9.9e6f ? ~0u : uint32_t(budget);
-    label("Refresh share");
-    ImGui::SliderFloat("##refresh", &s.refreshShare, 0.0f, 1.0f, "%.2f", flags);
-    label("Tolerance");
-    float tolerance = s.tolerance * 255.0f;
-    if (ImGui::SliderFloat("##tolerance", &tolerance, 0.0f, 8.0f, "%.2f / 255", flags))
-        s.tolerance = tolerance / 255.0f;
-    label("Draw filter");
-    int filter = int(s.filter);
-    if (ImGui::Combo("##drawfilter", &filter, kDrawFilterNames.data(), int(kDrawFilterNames.size())))
-        s.filter = DrawFilter(filter);
-    label("Anisotropy");
-    ImGui::SliderFloat("##anisotropy", &s.anisotropy, 1.0f, 16.0f, "%.0f taps", flags);
-    label("Pool");
-    int mb = int(s.poolBytes >> 20);
-    if (ImGui::SliderInt("##pool", &mb, 8, 1024, "%d MiB", flags | ImGuiSliderFlags_Logarithmic))
-        s.poolBytes = size_t(mb) << 20;
-}
-
 } // namespace
 
 float frameTimesHeight()
 {
-    return ImGui::GetTextLineHeightWithSpacing() + graphHeight() + 7.4f * rowHeight() +
-           ImGui::GetStyle().ItemSpacing.y;
+    return ImGui::GetTextLineHeightWithSpacing() + graphHeight() +
+           (float(kPassNames.size()) + 0.4f) * rowHeight() + ImGui::GetStyle().ItemSpacing.y;
 }
 
 void drawFrameTimes(const ViewState& state, const ViewReport& report)
@@ -179,7 +144,7 @@ void drawFrameTimes(const ViewState& state, const ViewReport& report)
     ImGui::TextUnformatted("Frame");
     ImGui::SameLine(8.2f * ImGui::GetFontSize());
     if (newest.ms > 0.0f)
-        ImGui::Text("%.1f ms   %.0f a second", newest.ms, 1000.0f / newest.ms);
+        ImGui::Text("%.1f ms   %.0f FPS", newest.ms, 1000.0f / newest.ms);
     if (state.paused) {
         ImGui::SameLine();
         ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(kAccent), "paused");
@@ -190,12 +155,12 @@ void drawFrameTimes(const ViewState& state, const ViewReport& report)
 
 void drawLumelsTab(ViewState& state, const ViewReport& report)
 {
-    drawLumelSettings(state.settings);
+    drawSettings(state, Panel::lumels);
     ImGui::Separator();
     const FrameStats& f = report.sides[0].stats;
     if (state.sides[0].shading != Shading::tsl) {
-        ImGui::TextDisabled(state.split ? "The left side is not lit in texture space."
-                                        : "This picture is not lit in texture space.");
+        ImGui::TextDisabled(state.split ? "The left side does not use texture-space lighting."
+                                        : "This picture does not use texture-space lighting.");
         return;
     }
     figure("Marked",
@@ -203,14 +168,14 @@ void drawLumelsTab(ViewState& state, const ViewReport& report)
     figure("Lit", fmt::format("{} lumels in {} tiles", thousands(f.lumelsLit), thousands(f.tilesLit)));
     figure("Derived", thousands(f.lumelsDerived) + " lumels");
     figure("Kept", thousands(f.lumelsKept) + " lumels");
-    figure("Waiting", thousands(f.lumelsPending) + " lumels");
+    figure("Pending", thousands(f.lumelsPending) + " lumels");
     const double pixels = double(std::max<size_t>(f.pixelsCovered, 1));
-    figure("Density", fmt::format("{:.2f} lumels a covered pixel", double(f.lumelsMarked) / pixels));
-    figure("Coarser by", fmt::format("{:.2f} levels, {:.2f} memory, {:.2f} time", f.levelOffset, f.levelBias,
-                                     f.budgetBias));
+    figure("Density", fmt::format("{:.2f} lumels per covered pixel", double(f.lumelsMarked) / pixels));
+    figure("Level offset", fmt::format("{:.2f}, memory {:.2f}, frame budget {:.2f}", f.levelOffset,
+                                       f.levelBias, f.budgetBias));
     figure("Render scale", fmt::format("{:.2f}", f.renderScale));
-    figure("Objects",
-           fmt::format("{} lit, {} forward, {} culled", f.objectsTsl, f.objectsForward, f.objectsCulled));
+    figure("Objects", fmt::format("{} texture space, {} forward, {} culled", f.objectsTsl, f.objectsForward,
+                                  f.objectsCulled));
     figure("Pool", fmt::format("{} of {} MiB, {} textures", f.poolUsedBytes >> 20, f.poolCapBytes >> 20,
                                f.poolTextures));
     const ImVec2 at = ImGui::GetCursorScreenPos();

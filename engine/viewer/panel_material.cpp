@@ -99,7 +99,7 @@ void drawMaterialTab(const ViewReport& report)
     const Inspection& view = report.inspection;
     if (!view.valid) {
         ImGui::PushTextWrapPos();
-        ImGui::TextDisabled("Hold the cursor over a surface: this shows the reflectance of the texel there.");
+        ImGui::TextDisabled("Move the cursor over a surface to inspect the reflectance of the texel there.");
         ImGui::PopTextWrapPos();
         return;
     }
@@ -112,8 +112,8 @@ void drawMaterialTab(const ViewReport& report)
     drawDiscs(view);
     ImGui::PushTextWrapPos();
     ImGui::TextDisabled(
-        "Reflectance over half vectors; %s. Rings at sines of 1/4, 1/2, 3/4 and 1. LEAN's lobe has "
-        "the strength that serves it best.",
+        "Reflectance over half vectors; %s. Rings at sines of 1/4, 1/2, 3/4 and 1. LEAN's lobe is "
+        "scaled to its least error.",
         view.half >= 1.0 ? "the whole disc" : fmt::format("{:.2f} of the disc across", view.half).c_str());
     ImGui::PopTextWrapPos();
     ImGui::Separator();
@@ -121,7 +121,7 @@ void drawMaterialTab(const ViewReport& report)
     row("Covariance", fmt::format("{:.5f}  {:.5f}  {:.5f}", b[kSxx], b[kSxy], b[kSyy]));
     row("Specular", fmt::format("{:.4f}  {:.4f}  {:.4f}", b[kKsR], b[kKsG], b[kKsB]));
     row("Diffuse", fmt::format("{:.4f}  {:.4f}  {:.4f}", b[kKdR], b[kKdG], b[kKdB]));
-    row("Baker's error", fmt::format("{:.4f}", b[kError]));
+    row("Fit error", fmt::format("{:.4f}", b[kError]));
 }
 
 } // namespace lumel::ui

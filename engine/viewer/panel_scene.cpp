@@ -1,9 +1,11 @@
 // The scene's objects and lights.
-#include "panels.h"
+#include "setting_widgets.h"
 #include <fmt/format.h>
 
 namespace lumel::ui {
 namespace {
+
+constexpr std::array kLightTypes{"sun", "point", "spot"}; // scene::LightType
 
 void drawObjectRow(ViewState& state, const ViewReport& report, size_t i)
 {
@@ -18,10 +20,10 @@ void drawObjectRow(ViewState& state, const ViewReport& report, size_t i)
         state.selected = state.selected == i ? std::nullopt : std::optional(i);
     const std::string& problem = report.scene->meshes[size_t(object.mesh)].uvProblem;
     if (ImGui::IsItemHovered() && !problem.empty())
-        ImGui::SetTooltip("drawn forward: %s", problem.c_str());
+        ImGui::SetTooltip("shaded forward: %s", problem.c_str());
     ImGui::PopID();
     ImGui::TableNextColumn();
-    ImGui::TextUnformatted(lit ? report.residency[i].share < 1.0f ? "fading" : "lit" : "forward");
+    ImGui::TextUnformatted(lit ? report.residency[i].share < 1.0f ? "fading" : "tsl" : "forward");
     ImGui::TableNextColumn();
     if (lit)
         ImGui::Text("%u", report.residency[i].litLevel);
@@ -33,55 +35,72 @@ void drawObjectRow(ViewState& state, const ViewReport& report, size_t i)
     }
 }
 
+bool drawPlace(scene::Light& light)
+{
+    label("Position");
+    bool changed = ImGui::DragFloat3("##position", &light.position.x, 0.01f, 0.0f, 0.0f, "%.2f m");
+    label("Range");
+    changed |= ImGui::DragFloat("##range", &light.range, 0.05f, 0.0f, 1e6f,
+                                light.range > 0.0f ? "%.2f m" : "unlimited", ImGuiSliderFlags_AlwaysClamp);
+    return changed;
+}
+
+bool drawDirection(scene::Light& light)
+{
+    label("Direction");
+    glm::vec3 direction = light.direction;
+    if (!ImGui::DragFloat3("##direction", &direction.x, 0.01f, -1.0f, 1.0f, "%.2f") ||
+        glm::length(direction) <= 1e-3f)
+        return false;
+    light.direction = glm::normalize(direction);
+    return true;
+}
+
+bool drawCone(scene::Light& light)
+{
+    label("Cone", "inner and outer cone angle, from the axis");
+    float degrees[2] = {glm::degrees(light.innerCone), glm::degrees(light.outerCone)};
+    if (!ImGui::DragFloat2("##cone", degrees, 0.2f, 0.0f, 90.0f, "%.0f degrees"))
+        return false;
+    degrees[1] = std::clamp(degrees[1], 1.0f, 90.0f);
+    light.innerCone = glm::radians(std::clamp(degrees[0], 0.0f, degrees[1] - 0.5f));
+    light.outerCone = glm::radians(degrees[1]);
+    return true;
+}
+
 bool drawLight(scene::Light& light)
 {
-    bool changed = false;
-    int type = int(light.type);
-    label("Type");
-    if (ImGui::Combo("##type", &type, "sun\0point\0spot\0")) {
-        light.type = scene::LightType(type);
-        changed = true;
-    }
+    using enum scene::LightType;
+    bool changed = combo("Type", "##type", light.type, kLightTypes);
     label("Colour");
     changed |= ImGui::ColorEdit3("##colour", &light.colour.x, ImGuiColorEditFlags_Float);
     label("Intensity");
-    changed |=
-        ImGui::DragFloat("##intensity", &light.intensity, 0.01f * std::max(light.intensity, 0.1f), 0.0f, 1e6f,
-                         type == 0 ? "%.3g lux" : "%.3g candela", ImGuiSliderFlags_AlwaysClamp);
-    if (type != 0) {
-        label("Position");
-        changed |= ImGui::DragFloat3("##position", &light.position.x, 0.01f, 0.0f, 0.0f, "%.2f");
-        label("Range");
-        changed |=
-            ImGui::DragFloat("##range", &light.range, 0.05f, 0.0f, 1e6f,
-                             light.range > 0.0f ? "%.2f m" : "unlimited", ImGuiSliderFlags_AlwaysClamp);
-    }
-    if (type != 1) {
-        label("Direction");
-        glm::vec3 direction = light.direction;
-        if (ImGui::DragFloat3("##direction", &direction.x, 0.01f, -1.0f, 1.0f, "%.2f") &&
-            glm::length(direction) > 1e-3f) {
-            light.direction = glm::normalize(direction);
-            changed = true;
-        }
-    }
-    if (type == 2) {
-        label("Cone");
-        float degrees[2] = {glm::degrees(light.innerCone), glm::degrees(light.outerCone)};
-        if (ImGui::DragFloat2("##cone", degrees, 0.2f, 0.0f, 90.0f, "%.0f deg")) {
-            degrees[1] = std::clamp(degrees[1], 1.0f, 90.0f);
-            light.innerCone = glm::radians(std::clamp(degrees[0], 0.0f, degrees[1] - 0.5f));
-            light.outerCone = glm::radians(degrees[1]);
-            changed = true;
-        }
-    }
+    changed |= ImGui::DragFloat("##intensity", &light.intensity, 0.01f * std::max(light.intensity, 0.1f),
+                                0.0f, 1e6f, light.type == directional ? "%.3g lux" : "%.3g candela",
+                                ImGuiSliderFlags_AlwaysClamp);
+    if (light.type != directional)
+        changed |= drawPlace(light);
+    if (light.type != point)
+        changed |= drawDirection(light);
+    if (light.type == spot)
+        changed |= drawCone(light);
     return changed;
+}
+
+void drawAmbient(Settings& s, const ViewReport& report)
+{
+    label("Ambient", "radiance of a uniform sky beside the environment; right click: default");
+    float ambient = s.ambient.value_or(report.ambient);
+    if (ImGui::SliderFloat("##ambient", &ambient, 0.0f, 100.0f, s.ambient ? "%.3g" : "%.3g (default)",
+                           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
+        s.ambient = ambient;
+    if (ImGui::IsItemClicked(ImGuiMouseButton_Right))
+        s.ambient.reset();
 }
 
 void drawEnvironment(ViewState& state, const ViewReport& report)
 {
-    Settings& s = state.settings;
-    label("Environment");
+    label("Environment", "drop an equirectangular map on the window");
     // A file stays in the list for as long as the viewer runs.
     static std::string file;
     if (state.environment != "none" && state.environment != "sky")
@@ -93,27 +112,10 @@ void drawEnvironment(ViewState& state, const ViewReport& report)
                 state.environment = name;
         ImGui::EndCombo();
     }
-    if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("drop an equirectangular map on the window");
-    if (state.environment != "none") {
-        label("Their strength");
-        ImGui::SliderFloat("##intensity", &s.environmentIntensity, 0.0f, 8.0f, "%.2f",
-                           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
-        label("Turned by");
-        ImGui::SliderFloat("##rotation", &s.environmentRotation, -180.0f, 180.0f, "%.0f degrees",
-                           ImGuiSliderFlags_AlwaysClamp);
-    }
-    label("Ambient");
-    float ambient = s.ambient.value_or(report.ambient);
-    if (ImGui::SliderFloat("##ambient", &ambient, 0.0f, 100.0f, s.ambient ? "%.3g" : "%.3g (usual)",
-                           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
-        s.ambient = ambient;
-    if (ImGui::IsItemClicked(ImGuiMouseButton_Right))
-        s.ambient.reset();
-    if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("an even sky beside the environment; right click: the usual");
-    label("Shadows");
-    ImGui::Checkbox("##shadows", &s.shadows);
+    if (state.environment != "none")
+        drawSettings(state, Panel::environment);
+    drawAmbient(state.settings, report);
+    drawSettings(state, Panel::lights);
     ImGui::Separator();
 }
 
@@ -123,7 +125,7 @@ void drawObjectsTab(ViewState& state, const ViewReport& report)
 {
     if (!report.scene)
         return;
-    ImGui::TextDisabled("%zu objects. Click here or in the picture.", report.scene->objects.size());
+    ImGui::TextDisabled("%zu objects. Click one here or in the picture.", report.scene->objects.size());
     const auto flags = ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersInnerH;
     if (!ImGui::BeginTable("objects", 4, flags))
         return;
@@ -166,13 +168,13 @@ void drawLightsTab(ViewState& state, const ViewReport& report)
     std::optional<size_t> removed;
     for (size_t i = 0; i < state.lights.size(); ++i) {
         ImGui::PushID(int(i));
-        const char* const kinds[] = {"sun", "point", "spot"};
-        const std::string title = fmt::format("{} {}###light", kinds[int(state.lights[i].type)], i + 1);
+        const std::string title =
+            fmt::format("{} {}###light", kLightTypes[size_t(state.lights[i].type)], i + 1);
         const auto flags = i < 2 ? ImGuiTreeNodeFlags_DefaultOpen : 0;
         if (ImGui::CollapsingHeader(title.c_str(), flags)) {
             if (drawLight(state.lights[i]))
                 state.lightsEdited = true;
-            // A scene without lights would get the usual three.
+            // A scene without lights would get the default three.
             if (state.lights.size() > 1 && ImGui::Button("Remove"))
                 removed = i;
         }

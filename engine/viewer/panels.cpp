@@ -1,26 +1,16 @@
 #include "panels.h"
-#include "renderer/names.h"
+#include "setting_widgets.h"
 #include <cmath>
 
 namespace lumel::ui {
 namespace {
-
-template<class Enum, size_t count>
-bool combo(const char* name, const char* id, Enum& value, const std::array<const char*, count>& names)
-{
-    label(name);
-    int index = int(value);
-    const bool changed = ImGui::Combo(id, &index, names.data(), int(count));
-    value = Enum(index);
-    return changed;
-}
 
 void drawSide(const char* title, int index, Side& side)
 {
     ImGui::PushID(index);
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(kAccent), "%s", title);
     combo("Shading", "##shading", side.shading, kShadingNames);
-    // The reference reads level 0, which is the same for all.
+    // The reference reads level 0, which all filters share.
     if (side.shading != Shading::reference)
         combo("Filter", "##filter", side.filter, kFilterNames);
     ImGui::PopID();
@@ -28,22 +18,16 @@ void drawSide(const char* title, int index, Side& side)
 
 void drawDisplay(ViewState& state)
 {
-    Settings& s = state.settings;
-    combo("View", "##view", s.view, kViewNames);
-    label("Exposure");
+    label("Exposure", "multiplies radiance before tone mapping; auto brings the view to middle grey");
     state.exposureChosen |= ImGui::Checkbox("auto", &state.autoExposure);
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-FLT_MIN);
-    if (ImGui::SliderFloat("##exposure", &s.exposure, 1e-5f, 1e4f, "%.3g",
+    if (ImGui::SliderFloat("##exposure", &state.settings.exposure, 1e-5f, 1e4f, "%.3g",
                            ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
         state.autoExposure = false;
         state.exposureChosen = true;
     }
-    combo("Tone map", "##tonemap", s.toneMap, kToneMapNames);
-    label("Edges");
-    int msaa = s.msaa == 4 ? 1 : 0;
-    if (ImGui::Combo("##msaa", &msaa, "1 sample\0004 samples\0"))
-        s.msaa = msaa ? 4 : 1;
+    drawSettings(state, Panel::picture);
 }
 
 void drawCamera(ViewState& state, const ViewReport& report)
@@ -66,7 +50,7 @@ void drawCamera(ViewState& state, const ViewReport& report)
     if (ImGui::SliderFloat("##fov", &fov, 5.0f, 120.0f, "%.0f degrees", ImGuiSliderFlags_AlwaysClamp))
         state.camera.setFovDegrees(fov);
     const scene::Camera& camera = state.camera.camera();
-    label("Eye");
+    label("Position");
     ImGui::Text("%.3f  %.3f  %.3f", camera.eye.x, camera.eye.y, camera.eye.z);
     label("Target");
     ImGui::Text("%.3f  %.3f  %.3f", camera.target.x, camera.target.y, camera.target.z);
@@ -91,7 +75,8 @@ void drawPictureTab(ViewState& state, const ViewReport& report)
     ImGui::SameLine();
     if (ImGui::Button("Screenshot", {-FLT_MIN, 0}))
         state.requests.screenshotPng = true;
-    combo("Present", "##present", state.presentMode, std::array{"fifo (vsync)", "mailbox", "immediate"});
+    combo("Present mode", "##present", state.presentMode,
+          std::array{"FIFO (vertical sync)", "mailbox", "immediate"});
     ImGui::Checkbox("Continuous rendering", &state.continuous);
 }
 

@@ -1,5 +1,6 @@
 #include "renderers.h"
 #include "core/compare.h"
+#include "renderer/setting_table.h"
 
 namespace lumel {
 namespace {
@@ -8,26 +9,6 @@ bool sameCamera(const scene::Camera& a, const scene::Camera& b)
 {
     return a.eye == b.eye && a.target == b.target && a.up == b.up && a.yFov == b.yFov &&
            a.nearMetres == b.nearMetres;
-}
-
-// Whether the picture depends on what differs.
-bool sameSettings(const Settings& a, const Settings& b)
-{
-    const auto all = [](const Settings& s) {
-        return std::tuple(s.view, s.shading, s.size, s.filter, s.anisotropy, s.msaa, s.exposure, s.toneMap,
-                          s.poolBytes, s.levelOffset, s.lumelsPerPixel, s.lumelBudget, s.refreshShare,
-                          s.tolerance, s.budgetMs, s.environmentIntensity, s.environmentRotation, s.ambient,
-                          s.shadows, s.shadowSize);
-    };
-    return all(a) == all(b);
-}
-
-// Whether the radiance does.
-bool sameRadiance(Settings a, const Settings& b)
-{
-    a.exposure = b.exposure;
-    a.toneMap = b.toneMap;
-    return sameSettings(a, b);
 }
 
 } // namespace
@@ -58,7 +39,7 @@ SceneResources ViewRenderers::resourcesOf(baker::Method method)
 
 void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& state)
 {
-    // Built beside the old renderers, so that a scene without room leaves these as they are.
+    // Built beside the old renderers, so that these stay as they are when memory runs out.
     Settings settings = state.settings;
     settings.shading = Shading::forward;
     const SceneResources resources = uploadScene(device_, *loaded.scene, *loaded.materials);
@@ -100,21 +81,23 @@ void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Metho
     }
     if (playback_ && state.seconds && slot.seconds != state.seconds) {
         playback_->pose(*slot.renderer, *state.seconds);
-        if (lights_) // lights put where they are by hand stay there
+        if (lights_) // edited lights stay where they are
             slot.renderer->setLights(*lights_);
         slot.seconds = state.seconds;
         slot.rendered = false;
         slot.metered.reset();
     }
-    if (!sameRadiance(slot.renderer->settings(), settings) || !sameCamera(slot.camera, state.camera.camera()))
+    const unsigned changed = changes(slot.renderer->settings(), settings);
+    const bool moved = !sameCamera(slot.camera, state.camera.camera());
+    if (moved || (changed & ~unsigned(invalidates::display)))
         slot.metered.reset();
-    if (!sameSettings(slot.renderer->settings(), settings) || !sameCamera(slot.camera, state.camera.camera()))
+    if (moved || changed)
         slot.rendered = false;
     slot.renderer->setSettings(settings);
     slot.camera = state.camera.camera();
 }
 
-// False when the picture is there already.
+// False when the picture is up to date.
 bool ViewRenderers::renderSlot(Slot& slot, const ui::ViewState& state)
 {
     Renderer& renderer = *slot.renderer;
@@ -176,7 +159,7 @@ ViewRenderers::Slot& ViewRenderers::prepareSide(const ui::ViewState& state, glm:
     settings.size = size;
     settings.shading = side.shading;
     Slot& slot = slots_[i];
-    if (materials(side.filter)) // else the old one, until they are there
+    if (materials(side.filter)) // else the old ones, until these are baked
         prepare(slot, state, side.filter, settings);
     else if (slot.renderer)
         prepare(slot, state, slot.method, settings);
@@ -191,9 +174,8 @@ ViewRenderers::Slot& ViewRenderers::prepareReference(const ui::ViewState& state,
     Settings settings = state.settings;
     settings.size = size;
     settings.shading = Shading::reference;
-    settings.samples = 1;
-    settings.budgetMs = 0.0; // the truth takes its time
-    prepare(slot, state, slot.renderer ? slot.method : materials_.begin()->first, settings);
+    settings.samples = 1; // per frame
+    prepare(slot, state, slot.renderer ? slot.method : materials_.begin()->first, applicable(settings));
     return slot;
 }
 
@@ -226,7 +208,7 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::View
         settled = settled && slot.renderer->settled();
         report.sides[i].stats = slot.stats;
     }
-    // Both sides are measured once they are done: then there is time for the truth.
+    // Both sides are compared with the reference once they are done.
     if (needsReference || (state.split && settled)) {
         Slot& slot = prepareReference(state, size);
         rendered = renderSlot(slot, state) || rendered;
@@ -244,7 +226,7 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::View
     return rendered;
 }
 
-// The cache has them too, and chains take a hundred MiB a material.
+// The cache on disk has them too, and MIP chains take a hundred MiB per material.
 void ViewRenderers::forgetUnused(const ui::ViewState& state)
 {
     const auto used = [&](baker::Method method) {
@@ -272,14 +254,14 @@ void ViewRenderers::measure(const ui::ViewState& state, ui::ViewReport& report)
         report.sides[1].psnr.reset();
         report.referenceSamples = measuredSamples_ = 0;
     }
-    // Reading pictures back takes time: as often as the truth's noise has halved.
+    // Reading pictures back takes time: whenever the number of samples has doubled.
     const bool worthwhile = samples >= std::min(2 * measuredSamples_, state.settings.samples);
     if (!current || !worthwhile || samples == measuredSamples_ || state.settings.view != View::none)
         return;
-    const Image truth = reference.renderer->readDisplay();
+    const Image groundTruth = reference.renderer->readDisplay();
     for (size_t i = 0; i < 2; ++i)
         if (!isReference_[i] && slots_[i].renderer)
-            report.sides[i].psnr = compareQuickly(slots_[i].renderer->readDisplay(), truth).psnr;
+            report.sides[i].psnr = compareQuickly(slots_[i].renderer->readDisplay(), groundTruth).psnr;
     report.referenceSamples = measuredSamples_ = samples;
 }
 

@@ -11,8 +11,8 @@ class ViewRenderers {
 public:
     explicit ViewRenderers(const gpu::Device& device) : device_(device) {}
 
-    // Another scene, or its materials anew: all renderers begin again. Throws Error and keeps the old ones
-    // when the new scene has no room.
+    // Another scene, or the same with other materials: all renderers are replaced. Throws Error and keeps the
+    // old ones when the new ones do not fit into memory.
     void setScene(scene::LoadedScene loaded, const ui::ViewState& state);
     // The materials of another method, for the same scene.
     void addMaterials(scene::LoadedScene loaded)
@@ -21,17 +21,17 @@ public:
     }
     std::shared_ptr<const scene::Scene> scene() const { return scene_; }
     std::shared_ptr<const std::vector<scene::BakedMaterial>> materials(baker::Method method) const;
-    // A method that a side asks for and that is not there yet.
+    // A method that a side asks for and whose materials are not baked yet.
     std::optional<baker::Method> missing(const ui::ViewState& state) const;
 
-    // Renders what the state asks for, unless it is there already. True if anything was rendered.
+    // Renders what the state asks for, unless it is up to date. True if anything was rendered.
     bool render(const ui::ViewState& state, glm::uvec2 size, ui::ViewReport& report);
-    // The luminances of what the left side is to show; nothing before there is a scene.
+    // The luminances of what the left side is to show; nothing without a scene.
     std::optional<LuminanceHistogram> meter(const ui::ViewState& state, glm::uvec2 size);
-    // All is rendered that this state will ever show.
+    // Further frames would not change the picture.
     bool finished() const { return finished_; }
 
-    // For a scene whose own lights are back.
+    // In place of the scene's.
     void setLights(const std::vector<scene::Light>& lights);
     // In place of the scene's.
     void setEnvironment(std::shared_ptr<const scene::Environment> environment);
@@ -59,7 +59,7 @@ private:
     struct Slot {
         std::unique_ptr<Renderer> renderer;
         baker::Method method = baker::Method::fit;
-        bool rendered = false;                     // what it was last asked for
+        bool rendered = false;                     // up to date
         std::optional<LuminanceHistogram> metered; // of that view
         scene::Camera camera;
         std::optional<double> seconds; // of the animation; nothing: as the file's nodes stand

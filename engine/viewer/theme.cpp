@@ -87,12 +87,19 @@ Layout layoutOf(const ViewState& state, ImVec2 window, float scale)
     return layout;
 }
 
-void label(const char* text)
+void label(const char* text, const char* tooltip)
 {
     ImGui::AlignTextToFramePadding();
     ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
     ImGui::TextUnformatted(text);
     ImGui::PopStyleColor();
+    if (tooltip && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
+        ImGui::BeginTooltip();
+        ImGui::PushTextWrapPos(24.0f * ImGui::GetFontSize());
+        ImGui::TextUnformatted(tooltip);
+        ImGui::PopTextWrapPos();
+        ImGui::EndTooltip();
+    }
     ImGui::SameLine(8.2f * ImGui::GetFontSize());
     ImGui::SetNextItemWidth(-FLT_MIN);
 }

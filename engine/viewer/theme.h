@@ -12,7 +12,7 @@ inline constexpr ImU32 kText = IM_COL32(228, 229, 232, 255);
 inline constexpr ImU32 kWarning = IM_COL32(240, 110, 90, 255);
 inline constexpr ImU32 kShade = IM_COL32(12, 13, 16, 205); // under text on the picture
 
-// `scale`: pixels of the window a point of 96 dpi, for high-DPI displays. Before the font is uploaded.
+// `scale`: pixels of the window per pixel at 96 dpi, for high-DPI displays. Before the font is uploaded.
 void applyTheme(float scale);
 
 // Window coordinates. The panels are a bar at the right; the picture has all the rest, so that nothing
@@ -25,7 +25,7 @@ struct Layout {
 };
 Layout layoutOf(const ViewState& state, ImVec2 window, float scale);
 
-// A label in the left column; the next widget fills the rest of the row.
-void label(const char* text);
+// A label in the left column, with a tooltip where there is one; the next widget fills the rest of the row.
+void label(const char* text, const char* tooltip = nullptr);
 
 } // namespace lumel::ui

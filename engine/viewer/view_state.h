@@ -41,7 +41,7 @@ struct ViewState {
     bool paused = false, step = false;
     bool playing = false;          // the scene's animation, again and again
     std::optional<double> seconds; // of the animation; nothing: as the file's nodes stand
-    bool continuous = false;       // render also when nothing changes
+    bool continuous = false;       // render even when nothing changes
     gpu::PresentMode presentMode = gpu::PresentMode::fifo;
     scene::ViewCamera camera;
     std::vector<scene::Light> lights;
@@ -50,7 +50,7 @@ struct ViewState {
     bool autoExposure = false;      // settings.exposure follows what is seen
     bool exposureChosen = false;    // by hand or an option: other scenes keep it
     std::optional<size_t> selected; // object
-    bool materialTab = false;       // the inspector is looked at
+    bool materialTab = false;       // the inspector is shown
     glm::vec2 cursor{-1.0f};        // in the picture; negative: elsewhere
     Requests requests;
 
@@ -69,7 +69,7 @@ struct FrameSample {
     std::map<std::string, double> passMs;
 };
 
-// What a frame found.
+// What the last frame reports.
 struct ViewReport {
     const scene::Scene* scene = nullptr; // null: none loaded yet
     std::string device, sceneName;
@@ -83,7 +83,7 @@ struct ViewReport {
     std::string message; // shown until `messageUntil`, in seconds of glfwGetTime()
     bool messageIsError = false;
     double messageUntil = 0.0;
-    float ambient = 0.0f;     // radiance of the even sky that is there
+    float ambient = 0.0f;     // radiance of the uniform sky
     int referenceSamples = 0; // behind psnr
     Inspection inspection;
 };

@@ -30,7 +30,7 @@ Viewer::Frontend::Frontend(const ViewArguments& arguments)
     window = glfwCreateWindow(int(arguments.settings.size.x), int(arguments.settings.size.y), "Lumel",
                               nullptr, nullptr);
     if (!window)
-        throw Error("no window could be made on this display; use lumel shot");
+        throw Error("cannot create a window on this display; use lumel shot");
     glfwSetWindowSizeLimits(window, 320, 240, GLFW_DONT_CARE, GLFW_DONT_CARE);
     // Where the system's window coordinates are points, not pixels, they are scaled already.
     float contentScale = 1.0f;
@@ -150,8 +150,7 @@ void Viewer::play(double seconds)
     state_.seconds = kAnimationStep * std::floor(played_ / kAnimationStep + 1e-6);
 }
 
-// Eyes adapt to what is seen. A scene with lights of its own is looked at once, to find out whether they
-// must.
+// Exposure adapts to the view. A scene with lights of its own is metered once, to find out whether it must.
 void Viewer::expose(double seconds)
 {
     if (!renderers_->scene() || !(state_.autoExposure || exposureAsked_) || state_.paused) {

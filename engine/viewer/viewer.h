@@ -1,5 +1,4 @@
-// The window and its loop: what was asked for by keys, panels and drops, then a frame, then the panels over
-// it.
+// The window and its loop: requests from keys, panels and drops, then a frame, then the panels over it.
 #pragma once
 #include "app/commands.h"
 #include "input.h"
@@ -11,7 +10,7 @@ namespace lumel {
 
 class Viewer {
 public:
-    // Throws Error when the window or the device is not to be had.
+    // Throws Error when the window or the device cannot be created.
     explicit Viewer(const ViewArguments& arguments);
     ~Viewer();
     Viewer(const Viewer&) = delete;
@@ -22,7 +21,7 @@ public:
     std::vector<std::string> validationMessages() const { return device_->validationMessages(); }
 
 private:
-    // GLFW's window and ImGui's context, which all else needs.
+    // GLFW's window and ImGui's context, on which all else stands.
     struct Frontend {
         explicit Frontend(const ViewArguments& arguments);
         ~Frontend();

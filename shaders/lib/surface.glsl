@@ -42,6 +42,24 @@ MaterialTexel sampleMaterial(vec4 uv, vec2 levels)
                           textureLod(mapBase, uv.xy, levels.x)); // of the reflectance's size, or constant
 }
 
+MaterialTexel noMaterial()
+{
+    return MaterialTexel(vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, vec3(0.0), 0.0);
+}
+
+// All of it is linear: the maps hold means.
+void addMaterial(inout MaterialTexel sum, MaterialTexel texel, float weight)
+{
+    sum.normal += weight * texel.normal;
+    sum.covariance += weight * texel.covariance;
+    sum.specular += weight * texel.specular;
+    sum.diffuse += weight * texel.diffuse;
+    sum.emitted += weight * texel.emitted;
+    sum.occlusion += weight * texel.occlusion;
+    sum.f0 += weight * texel.f0;
+    sum.baseVariance += weight * texel.baseVariance;
+}
+
 MaterialTexel tinted(ObjectAt object, MaterialTexel material, vec3 colour)
 {
     if (object.at.dielectric >= 0.0) {

@@ -67,6 +67,22 @@ TEST_F(Bench, EachCombinationIsARunOfTheDocumentedSchema)
     EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 14) << outcome.out;
 }
 
+TEST_F(Bench, ForwardAnisoAloneIsAnisotropic)
+{
+    bench({"--shading", "forward,forward-aniso,forward-aniso-average", "--size", "32x24", "--frames", "1",
+           "--json", "a.json"});
+    bench({"--shading", "forward-aniso,tsl", "--forward-anisotropy", "4", "--size", "32x24", "--frames", "1",
+           "--json", "b.json"});
+    const json a = readJson("a.json").at("runs"), b = readJson("b.json").at("runs");
+    const auto anisotropy = [](const json& run) { return run["options"]["forward-anisotropy"]; };
+    EXPECT_EQ(anisotropy(a[0]), "1");
+    EXPECT_EQ(anisotropy(a[1]), "8");
+    EXPECT_EQ(anisotropy(a[2]), "8");
+    EXPECT_EQ(a[2]["filter"], "average");
+    EXPECT_EQ(anisotropy(b[0]), "4");
+    EXPECT_EQ(anisotropy(b[1]), "1");
+}
+
 TEST_F(Bench, ReadmeNamesEveryField)
 {
     bench({"--size", "16x16", "--frames", "2", "--json", "b.json"});
@@ -191,7 +207,8 @@ TEST_F(Bench, BadMeasurementsFail)
 
 TEST_F(Bench, WrongUseFails)
 {
-    for (const char* shading : {"magic", "tsl-16", "forward-16-average", "forward-0", "forward-", "tsl,"})
+    for (const char* shading : {"magic", "tsl-16", "forward-16-average", "forward-0", "forward-", "tsl,",
+                                "tsl-aniso", "forward-aniso-16", "forward-average-aniso"})
         expectOneLine(run({"bench", "square.gltf", "--shading", shading}), 2, "--shading");
     for (const char* load : {"16", "16@5", "0@0", "4@0,8@0", "4@0,x@9"})
         expectOneLine(run({"bench", "square.gltf", "--load-lights", load}), 2, "--load-lights");

@@ -1,4 +1,5 @@
 #include "schema.h"
+#include "core/pass_names.h"
 #include <gtest/gtest.h>
 
 namespace lumel::cli {
@@ -35,8 +36,9 @@ void expectLike(const json& value, const json& form, const std::string& where)
 
 json formOfRun()
 {
-    const json passes = {{"shadow", 0}, {"feedback", 0}, {"plan", 0},   {"light", 0},
-                         {"lower", 0},  {"draw", 0},     {"display", 0}};
+    json passes;
+    for (const char* pass : kPassNames)
+        passes[pass] = 0;
     const json frame = {{"ms", 0},
                         {"passes", passes},
                         {"lumels", {{"marked", 0}, {"lit", 0}, {"derived", 0}, {"kept", 0}, {"pending", 0}}},

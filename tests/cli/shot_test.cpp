@@ -249,6 +249,24 @@ TEST_F(Help, ListsTheCommandsOnStdout)
     EXPECT_NE(shot.out.find("--shading"), std::string::npos);
 }
 
+TEST_F(Help, OfACommandIsTheSameBothWays)
+{
+    for (const char* command : {"bake", "shot", "view", "compare", "bench", "help"}) {
+        const Outcome help = run({"help", command});
+        EXPECT_EQ(help.exitCode, 0);
+        EXPECT_EQ(help.out, run({command, "--help"}).out) << command;
+    }
+    expectOneLine(run({"help", "frobnicate"}), 2, "frobnicate");
+}
+
+TEST_F(Help, CommandReferenceIsUpToDate)
+{
+    const Outcome outcome = run({"help", "--markdown"});
+    EXPECT_EQ(outcome.exitCode, 0);
+    EXPECT_EQ(outcome.out, readText(LUMEL_COMMANDS))
+        << "run: build/lumel help --markdown > engine/app/README.md";
+}
+
 TEST_F(Help, NoOrUnknownCommandIsAUsageError)
 {
     EXPECT_EQ(run({}).exitCode, 2);

@@ -259,7 +259,7 @@ TEST_F(View, TakesDropsAndKeepsTheOldSceneWhenOneFails)
     // A baked file onto the surface in the middle of the picture: matte blue.
     rerun("lumel bake --height first.png --height-scale 0.02 --specular 0 --diffuse 0.1,0.2,0.8 -o blue.exr");
     ASSERT_TRUE(display->drop(window, folder_ / "blue.exr", 160, 150));
-    ASSERT_TRUE(says("now the material")) << log();
+    ASSERT_TRUE(says("replaces the material")) << log();
     const Image blue = screenshot();
     const float* middle = blue.at(blue.width / 2, blue.height / 2);
     EXPECT_GT(middle[2], 1.3f * middle[0]);
@@ -320,7 +320,7 @@ TEST_F(View, ReloadsShadersAndKeepsTheOldOnesWhenOneIsBroken)
     darker.replace(darker.find(weight), weight.size(), "* push.weight * 0.25");
     std::ofstream(file) << darker;
     display->key("r");
-    ASSERT_TRUE(says("compiled anew")) << log();
+    ASSERT_TRUE(says("shaders reloaded")) << log();
     display->key("F12", {"Shift_L"}); // linear radiance, from before the display pass
     ASSERT_TRUE(appears("lumel-003.txt"));
     EXPECT_TRUE(fs::exists(folder_ / "lumel-003.exr"));

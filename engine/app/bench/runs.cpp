@@ -1,6 +1,7 @@
 #include "runs.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/pass_names.h"
 #include <fmt/format.h>
 
 namespace lumel::bench {
@@ -190,9 +191,8 @@ std::string tableOf(const std::vector<Run>& runs)
 
 std::string csvOf(const std::vector<Run>& runs)
 {
-    constexpr const char* kPasses[] = {"feedback", "plan", "light", "lower", "draw", "display"};
     std::string csv = "scene,shading,filter,width,height,lights,objects,frame,ms";
-    for (const char* pass : kPasses)
+    for (const char* pass : kPassNames)
         csv += fmt::format(",{}_ms", pass);
     csv += ",lumels_marked,lumels_lit,lumels_derived,lumels_kept,lumels_pending,pool_bytes,render_scale,"
            "error_rmse,flicker_rmse\r\n";
@@ -203,7 +203,7 @@ std::string csvOf(const std::vector<Run>& runs)
         for (size_t i = 0; i < run.frames.size(); ++i) {
             const FrameRecord& f = run.frames[i];
             csv += fmt::format("{},{},{}", head, i, f.ms);
-            for (const char* pass : kPasses) {
+            for (const char* pass : kPassNames) {
                 const auto ms = f.passMs.find(pass);
                 csv += fmt::format(",{}", ms == f.passMs.end() ? 0.0 : ms->second);
             }

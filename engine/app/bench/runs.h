@@ -40,7 +40,7 @@ std::vector<Run> readRuns(const std::filesystem::path& file);
 
 // A table for the terminal: one line a run.
 std::string tableOf(const std::vector<Run>& runs);
-// One line a frame, the run's description in each: comma-separated values with a header (RFC 4180).
+// One line per frame, the run's description in each: comma-separated values with a header (RFC 4180).
 std::string csvOf(const std::vector<Run>& runs);
 
 } // namespace lumel::bench

@@ -6,13 +6,20 @@
 
 namespace lumel {
 
+// The reference reads the finest level, whose samples are its filter.
+static uint32_t forwardAnisotropy(const Settings& settings)
+{
+    return settings.shading == Shading::reference ? 1u : uint32_t(settings.forwardAnisotropy);
+}
+
 const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind, bool coloured)
 {
     const bool multisampling = bool(frame.targets.multisampled);
     const bool shades = kind == Kind::forward || kind == Kind::blended;
     const uint32_t features = shades ? frame.scene.features(coloured) : 0u;
     const uint32_t filter = kind == Kind::lit ? uint32_t(frame.settings.filter) : 0u;
-    gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, features, filter}];
+    const uint32_t anisotropy = shades ? forwardAnisotropy(frame.settings) : 1u;
+    gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, features, filter, anisotropy}];
     if (*pipeline.handle)
         return pipeline;
     gpu::GraphicsInfo info{
@@ -28,6 +35,7 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
         .samples = multisampling ? vk::SampleCountFlagBits::e4 : vk::SampleCountFlagBits::e1,
         .features = features,
         .filter = filter,
+        .anisotropy = anisotropy,
         .blend = kind == Kind::blended};
     if (kind == Kind::lit) {
         info.vertex = "lit.vert";

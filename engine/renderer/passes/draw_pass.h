@@ -22,8 +22,8 @@ private:
     void drawView(Frame& frame, const LitPool& pool, size_t object);
     static std::vector<size_t> nearestFirst(const Frame& frame);
     void drawPool(Frame& frame, const LitPool& pool); // every texture, side by side
-    // By multisampling, features and filter.
-    std::map<std::tuple<Kind, bool, uint32_t, uint32_t>, gpu::Pipeline> pipelines_;
+    // By multisampling, features, filter and anisotropy.
+    std::map<std::tuple<Kind, bool, uint32_t, uint32_t, uint32_t>, gpu::Pipeline> pipelines_;
 };
 
 } // namespace lumel

@@ -1,5 +1,6 @@
 // What every pass of one frame works on.
 #pragma once
+#include "core/pass_names.h"
 #include "gpu/barrier.h"
 #include "gpu/timer.h"
 #include "renderer/resources/scene_state.h"
@@ -31,10 +32,10 @@ struct Frame {
 // One string names a pass for debug labels and timings.
 class PassScope {
 public:
-    PassScope(Frame& frame, const char* name) : frame_(frame)
+    PassScope(Frame& frame, PassName name) : frame_(frame)
     {
-        frame_.device.beginLabel(frame_.commands, name);
-        frame_.timer.begin(frame_.commands, name);
+        frame_.device.beginLabel(frame_.commands, name.text);
+        frame_.timer.begin(frame_.commands, name.text);
     }
     ~PassScope()
     {

@@ -1,0 +1,49 @@
+// Anisotropic material lookups of forward shading (--forward-anisotropy).
+#include "test_scene.h"
+
+namespace lumel::test {
+namespace {
+
+// Stripes across the view, which a footprint's major axis crosses only where it lies along them.
+TestScene stripedPlane()
+{
+    baker::Maps maps = bumpyMaps(128, 0.01f, 60.0f);
+    maps.diffuse = Image(128, 128, 3);
+    for (int y = 0; y < 128; ++y)
+        for (int x = 0; x < 128; ++x)
+            std::fill_n(maps.diffuse.at(x, y), 3, x / 4 % 2 == 0 ? 0.8f : 0.05f);
+    TestScene s;
+    s.add(planeMesh(), maps);
+    s.scene.lights = {sun({-0.4f, -0.5f, -1.0f})};
+    return s;
+}
+
+const scene::Camera kGrazing = cameraAt({0.0f, -1.6f, 0.22f}, {0.0f, 0.2f, 0.0f});
+
+Image rendered(const TestScene& s, Shading shading, int anisotropy)
+{
+    Settings settings = settingsFor(shading);
+    settings.samples = 128;
+    settings.forwardAnisotropy = anisotropy;
+    return shoot(s, kGrazing, settings).display;
+}
+
+using ForwardAnisotropy = GpuTest;
+
+TEST_F(ForwardAnisotropy, ComesCloserToTheReferenceAtAGrazingAngle)
+{
+    const TestScene s = stripedPlane();
+    const Image reference = rendered(s, Shading::reference, 1);
+    double before = 0.0;
+    for (const int anisotropy : {1, 2, 4, 8}) {
+        const double now = psnr(rendered(s, Shading::forward, anisotropy), reference);
+        RecordProperty("psnr" + std::to_string(anisotropy), std::to_string(now));
+        EXPECT_GT(now, before + 0.5) << anisotropy;
+        before = now;
+    }
+    EXPECT_EQ(rendered(s, Shading::reference, 8).pixels, reference.pixels)
+        << "it has no MIP levels to choose";
+}
+
+} // namespace
+} // namespace lumel::test
