@@ -61,6 +61,14 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     lights_.reset();
 }
 
+void ViewRenderers::restart()
+{
+    for (Slot& slot : slots_) {
+        slot.renderer.reset();
+        slot.rendered = false;
+    }
+}
+
 std::optional<baker::Method> ViewRenderers::missing(const ui::ViewState& state) const
 {
     for (size_t side = 0; side < (state.split ? 2u : 1u); ++side)
@@ -147,6 +155,14 @@ std::vector<glm::uvec2> ViewRenderers::lumelGrids() const
     for (const GpuObject& object : slots_[0].renderer->scene().objects())
         grids.push_back(object.data.litSize);
     return grids;
+}
+
+float ViewRenderers::ambient() const
+{
+    for (const Slot& slot : slots_) // alike in all
+        if (slot.renderer)
+            return slot.renderer->scene().lights().skyRadiance().x;
+    return 0.0f;
 }
 
 ViewRenderers::Slot& ViewRenderers::prepareSide(const ui::ViewState& state, glm::uvec2 size, size_t i)

@@ -39,10 +39,7 @@ public:
     std::vector<tsl::ObjectResidency> residency(size_t side) const;
     std::vector<glm::uvec2> lumelGrids() const;
 
-    float ambient() const
-    {
-        return slots_[0].renderer ? slots_[0].renderer->scene().lights().skyRadiance().x : 0.0f;
-    }
+    float ambient() const; // sky radiance, as the lights give it
 
     // The picture of a side, in use transferRead; null before the first one.
     const gpu::Image* picture(size_t side) const;
@@ -53,7 +50,7 @@ public:
     int samples(size_t side) const { return rendererOf(side)->renderer->samples(); }
     baker::Method method(size_t side) const { return rendererOf(side)->method; }
     // For shaders that have changed: the next frames are of new renderers.
-    void restart() { slots_ = {}; }
+    void restart();
 
 private:
     struct Slot {
