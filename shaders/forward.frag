@@ -37,11 +37,16 @@ MaterialTexel materialHere(vec4 dx, vec4 dy)
     Footprint reflectance = footprintIn(mapNormal, dx.xy, dy.xy), emissive = footprintIn(mapEmissive, dx.zw, dy.zw);
     int taps = clamp(max(reflectance.taps, emissive.taps), 1, kMostTaps);
     MaterialTexel sum = noMaterial();
-    for (int i = 0; i < taps; ++i)
-        addMaterial(sum,
-                    sampleMaterial(uv + alongAxis(i, taps) * vec4(reflectance.axis, emissive.axis),
-                                   vec2(reflectance.level, emissive.level)),
-                    1.0 / float(taps));
+    vec3 products = vec3(0.0); // mean of the normal's xx, xy, yy
+    for (int i = 0; i < taps; ++i) {
+        MaterialTexel texel = sampleMaterial(uv + alongAxis(i, taps) * vec4(reflectance.axis, emissive.axis),
+                                             vec2(reflectance.level, emissive.level));
+        addMaterial(sum, texel, 1.0 / float(taps));
+        products += texel.normal.xxy * texel.normal.xyy / float(taps);
+    }
+    // One lobe stands for those of all taps: how far their normals spread is part of its width (Olano and Baker 2010,
+    // "LEAN Mapping", section 3). Without it, highlights would be as sharp as on a single tap's texel.
+    sum.covariance += max(products - sum.normal.xxy * sum.normal.xyy, vec3(0.0, -1.0, 0.0));
     return sum;
 }
 

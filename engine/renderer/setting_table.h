@@ -114,18 +114,15 @@ inline constexpr std::tuple kSettings{
                  .invalidates = invalidates::radiance | invalidates::targets | invalidates::sum,
                  .values = kSampleCounts,
                  .widget = {.panel = Panel::picture, .label = "MSAA"}},
-    Setting<int>{.member = &Settings::forwardAnisotropy,
-                 .name = "forward-anisotropy",
-                 .help =
-                     "maximum anisotropy of the material lookups of what is shaded forward; 1 is isotropic",
-                 .shadings = kRealTime,
-                 .least = 1,
-                 .most = 16,
-                 .widget = {.panel = Panel::picture,
-                            .label = "Forward anisotropy",
-                            .format = "%.0f taps",
-                            .least = 1,
-                            .most = 16}},
+    Setting<int>{
+        .member = &Settings::forwardAnisotropy,
+        .name = "forward-anisotropy",
+        .help = "maximum anisotropy of the material lookups of what is shaded forward; 1 is isotropic",
+        .shadings = kRealTime,
+        .least = 1,
+        .most = 16,
+        .widget =
+            {.panel = Panel::picture, .label = "Anisotropy", .format = "%.0f taps", .least = 1, .most = 16}},
     Setting<double>{
         .member = &Settings::budgetMs,
         .name = "budget-ms",

@@ -171,8 +171,8 @@ void drawLumelsTab(ViewState& state, const ViewReport& report)
     figure("Pending", thousands(f.lumelsPending) + " lumels");
     const double pixels = double(std::max<size_t>(f.pixelsCovered, 1));
     figure("Density", fmt::format("{:.2f} lumels per covered pixel", double(f.lumelsMarked) / pixels));
-    figure("Level offset", fmt::format("{:.2f}, memory {:.2f}, frame budget {:.2f}", f.levelOffset,
-                                       f.levelBias, f.budgetBias));
+    figure("Level offset",
+           fmt::format("{:.2f} + {:.2f} memory + {:.2f} budget", f.levelOffset, f.levelBias, f.budgetBias));
     figure("Render scale", fmt::format("{:.2f}", f.renderScale));
     figure("Objects", fmt::format("{} texture space, {} forward, {} culled", f.objectsTsl, f.objectsForward,
                                   f.objectsCulled));
