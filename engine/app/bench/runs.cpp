@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace lumel::bench {
 namespace {
