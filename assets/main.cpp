@@ -1,26 +1,30 @@
-// lumel-assets <folder>: writes the example scenes, <folder>/<scene>/<scene>.gltf. Everything is computed
-// here, from fixed seeds: no pictures from elsewhere, the same files from every run, CC0.
+// lumel-assets FOLDER SCENE: writes an example scene, FOLDER/SCENE/SCENE.gltf. Everything is computed here,
+// from fixed seeds: no pictures from elsewhere, the same files from every run, CC0.
 #include "scenes.h"
+#include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <tbb/parallel_invoke.h>
-
-#include <cstdio>
+#include <map>
+#include <string>
 
 int main(int argc, char** argv)
 {
-    if (argc != 2) {
-        std::fprintf(stderr, "usage: lumel-assets <output folder>\n");
+    using namespace lumel::assets;
+    const std::map<std::string, void (*)(const std::filesystem::path&)> writers = {
+        {"record", writeRecord}, {"balls", writeBalls},   {"bricks", writeBricks},
+        {"charts", writeCharts}, {"crowd", writeCrowd},   {"stress", writeStress},
+        {"morph", writeMorph},   {"dahlia", writeDahlia}, {"tentacles", writeTentacles},
+    };
+    const auto writer = argc == 3 ? writers.find(argv[2]) : writers.end();
+    if (writer == writers.end()) {
+        std::fprintf(stderr, "usage: lumel-assets FOLDER SCENE\nscenes:");
+        for (const auto& [name, write] : writers)
+            std::fprintf(stderr, " %s", name.c_str());
+        std::fprintf(stderr, "\n");
         return 2;
     }
     try {
-        const std::filesystem::path folder = argv[1];
-        using namespace lumel::assets;
-        tbb::parallel_invoke([&] { writeRecord(folder / "record"); }, [&] { writeBalls(folder / "balls"); },
-                             [&] { writeBricks(folder / "bricks"); }, [&] { writeCharts(folder / "charts"); },
-                             [&] { writeCrowd(folder / "crowd"); }, [&] { writeStress(folder / "stress"); },
-                             [&] { writeTentacles(folder / "tentacles"); },
-                             [&] { writeMorph(folder / "morph"); }, [&] { writeDahlia(folder / "dahlia"); });
+        writer->second(std::filesystem::path(argv[1]) / writer->first);
     } catch (const std::exception& e) {
         std::fprintf(stderr, "%s\n", e.what());
         return 1;

@@ -65,8 +65,6 @@ ErrorFigures figuresOf(std::vector<double> errors)
             errors.back()};
 }
 
-} // namespace
-
 // The steps of measure().
 class Meter {
 public:
@@ -236,6 +234,8 @@ private:
     Measurement result_;
     std::vector<std::vector<MeasuredTexel>> texels_; // [level]
 };
+
+} // namespace
 
 size_t measureUnits(const Maps& maps)
 {

@@ -4,24 +4,13 @@
 #include "core/canvas.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "example_scenes.h"
 #include "renderer/demands.h"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace lumel {
 namespace {
-
-// The stress scene that the build makes beside the program.
-std::filesystem::path defaultScene()
-{
-    std::error_code code;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", code);
-    const auto file = program.parent_path() / "assets" / "stress" / "stress.gltf";
-    if (!std::filesystem::exists(file, code))
-        throw Error(fmt::format("{}: the stress scene is missing; build it (./run build) or name a scene",
-                                file.string()));
-    return std::filesystem::relative(file, code);
-}
 
 bool compare(const BenchArguments& arguments)
 {
@@ -56,7 +45,7 @@ bool runBench(const BenchArguments& given)
         return compare(given);
     BenchArguments arguments = given;
     if (arguments.scenes.empty())
-        arguments.scenes.push_back(defaultScene());
+        arguments.scenes.push_back(std::filesystem::relative(exampleScene("stress")));
     checkOutputs(arguments);
     const gpu::Device device(forRendering(arguments.device));
     BenchRunner runner(device, arguments);

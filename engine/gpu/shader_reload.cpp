@@ -15,11 +15,15 @@ extern char** environ;
 namespace lumel::gpu {
 namespace {
 
+constexpr const char* kSourceFolder =
+#include "source_folder.inc"
+    ;
+
 // The sources that the program was built from, unless the environment names others.
 std::string sourceFolder()
 {
     const char* const folder = std::getenv("LUMEL_SHADERS");
-    return folder ? folder : LUMEL_SHADERS;
+    return folder ? folder : kSourceFolder;
 }
 
 // Runs the compiler with its output in `log`; its exit status, or -1 when there is none.

@@ -1,3 +1,4 @@
+#include "app/example_scenes.h"
 #include "core/error.h"
 #include "viewer.h"
 #define GLFW_INCLUDE_NONE
@@ -52,7 +53,7 @@ void runView(const ViewArguments& arguments)
     ViewArguments complete = arguments;
     complete.device.windowExtensions.assign(extensions, extensions + count);
     if (complete.scene.empty())
-        complete.scene = LUMEL_ASSETS "/record/record.gltf";
+        complete.scene = exampleScene("record");
     std::vector<std::string> messages;
     {
         Viewer viewer(complete);

@@ -197,6 +197,23 @@ TEST_F(Bench, CompareJudgesByTheLimit)
     EXPECT_EQ(run({"bench", "--compare", "b.json", "a.json", "--limit", "1.01"}).exitCode, 0);
 }
 
+TEST_F(Bench, AnInstalledProgramFindsItsScenes)
+{
+    fs::create_directory(folder_ / "bin");
+    fs::copy_file(LUMEL_PROGRAM, folder_ / "bin" / "lumel");
+    const std::string command = "cd '" + folder_.string() +
+                                "' && XDG_CACHE_HOME=cache bin/lumel bench --size 16x16 " +
+                                "--warmup 0 --frames 1 --json b.json > cache/out 2>&1";
+    EXPECT_NE(std::system(command.c_str()), 0);
+    const std::string message = readText(folder_ / "cache" / "out");
+    EXPECT_NE(message.find("stress.gltf"), std::string::npos) << message;
+    const fs::path scenes = folder_ / "share" / "lumel" / "assets";
+    fs::create_directories(scenes / "stress");
+    writeScene(scenes / "stress" / "stress.gltf", squareScene(scenes / "stress" / "stress.gltf"));
+    EXPECT_EQ(std::system(command.c_str()), 0) << readText(folder_ / "cache" / "out");
+    EXPECT_EQ(readJson("b.json")["runs"][0]["scene"], "share/lumel/assets/stress/stress.gltf");
+}
+
 TEST_F(Bench, BadMeasurementsFail)
 {
     writeText(folder_ / "poem.json", "Roses are red");

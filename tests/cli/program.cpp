@@ -13,6 +13,23 @@
 namespace lumel::cli {
 namespace fs = std::filesystem;
 
+namespace {
+
+// Whether a process has a handler for SIGINT (proc(5)): not before it has started.
+bool catchesInterrupts(pid_t process)
+{
+    std::ifstream status("/proc/" + std::to_string(process) + "/status");
+    for (std::string word; status >> word;)
+        if (word == "SigCgt:") {
+            uint64_t signals = 0;
+            status >> std::hex >> signals;
+            return (signals >> (SIGINT - 1)) & 1;
+        }
+    return true; // it has ended
+}
+
+} // namespace
+
 std::string readText(const fs::path& file)
 {
     std::ifstream stream(file, std::ios::binary);
@@ -82,6 +99,8 @@ Outcome Program::run(const std::vector<std::string>& arguments)
 Outcome Program::runAndInterrupt(const std::vector<std::string>& arguments, int milliseconds)
 {
     const pid_t child = start(arguments);
+    while (!catchesInterrupts(child))
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
     kill(child, SIGINT);
     return finish(child);

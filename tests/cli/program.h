@@ -21,7 +21,7 @@ protected:
     void TearDown() override;
 
     Outcome run(const std::vector<std::string>& arguments);
-    // Sends SIGINT as soon as the program has run for `milliseconds`.
+    // Sends SIGINT `milliseconds` after the program has set up its handler.
     Outcome runAndInterrupt(const std::vector<std::string>& arguments, int milliseconds);
 
     // In two steps, for tests that do something meanwhile.

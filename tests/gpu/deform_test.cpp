@@ -57,23 +57,23 @@ void setShape(TestScene& s, float seconds)
     s.scene.deformed[0].weights = shapes.weights[0];
 }
 
-const scene::Camera kCamera = cameraAt({0.4f, 0.6f, 3.6f});
+const scene::Camera kFront = cameraAt({0.4f, 0.6f, 3.6f});
 
 // The first mesh's colours show in all shadings, and white ones change nothing.
 void expectTints(const TestScene& s)
 {
-    const Picture truth = shoot(s, kCamera, settingsFor(Shading::reference));
-    EXPECT_GT(psnr(shoot(s, kCamera, settingsFor(Shading::tsl)).display, truth.display), 36.0);
-    EXPECT_GT(psnr(shoot(s, kCamera, settingsFor(Shading::forward)).display, truth.display), 36.0);
+    const Picture truth = shoot(s, kFront, settingsFor(Shading::reference));
+    EXPECT_GT(psnr(shoot(s, kFront, settingsFor(Shading::tsl)).display, truth.display), 36.0);
+    EXPECT_GT(psnr(shoot(s, kFront, settingsFor(Shading::forward)).display, truth.display), 36.0);
     TestScene white = s;
     for (glm::vec4& colour : white.scene.meshes[0].colours)
         colour = glm::vec4(1.0f);
     TestScene none = white;
     none.scene.meshes[0].colours.clear();
     for (const Shading shading : {Shading::tsl, Shading::forward}) {
-        const Image without = shoot(none, kCamera, settingsFor(shading)).display;
-        EXPECT_GT(psnr(shoot(white, kCamera, settingsFor(shading)).display, without), 60.0);
-        EXPECT_LT(psnr(shoot(s, kCamera, settingsFor(shading)).display, without), 25.0);
+        const Image without = shoot(none, kFront, settingsFor(shading)).display;
+        EXPECT_GT(psnr(shoot(white, kFront, settingsFor(shading)).display, without), 60.0);
+        EXPECT_LT(psnr(shoot(s, kFront, settingsFor(shading)).display, without), 25.0);
     }
 }
 
@@ -88,7 +88,7 @@ TEST_F(DeformTest, TheGpuPutsVerticesWhereTheCpuDoes)
     for (const float t : {0.0f, 0.7f, 1.3f}) {
         const scene::Shapes shapes = shapeAt(t);
         renderer.deform(shapes);
-        renderer.render(kCamera);
+        renderer.render(kFront);
         const gpu::Buffer& buffer = renderer.scene().deformedMeshes().items()[0].vertices;
         const auto bytes = gpu::readBack(device(), buffer, buffer.size());
         std::vector<shared::Vertex> found(bytes.size() / sizeof(shared::Vertex));
@@ -109,9 +109,9 @@ TEST_F(DeformTest, AllShadingsAgreeWithTheReferenceAtEveryTime)
     TestScene s = deformingScene(plainMaps());
     for (const float t : {0.0f, 0.7f, 1.4f}) {
         setShape(s, t);
-        const Picture truth = shoot(s, kCamera, settingsFor(Shading::reference));
-        EXPECT_GT(psnr(shoot(s, kCamera, settingsFor(Shading::tsl)).display, truth.display), 36.0) << t;
-        EXPECT_GT(psnr(shoot(s, kCamera, settingsFor(Shading::forward)).display, truth.display), 36.0) << t;
+        const Picture truth = shoot(s, kFront, settingsFor(Shading::reference));
+        EXPECT_GT(psnr(shoot(s, kFront, settingsFor(Shading::tsl)).display, truth.display), 36.0) << t;
+        EXPECT_GT(psnr(shoot(s, kFront, settingsFor(Shading::forward)).display, truth.display), 36.0) << t;
     }
 }
 
@@ -121,21 +121,21 @@ TEST_F(DeformTest, WhatStandsStillKeepsItsLumelsAndWhatMovesIsLitAgain)
     s.add(planeMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), glm::vec3(0, 0, -1.5f)));
     Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
     renderer.deform(shapeAt(0.4f));
-    EXPECT_GT(renderer.render(kCamera).lumelsLit, 0u);
+    EXPECT_GT(renderer.render(kFront).lumelsLit, 0u);
     for (int i = 0; i < 5; ++i) {
         renderer.deform(shapeAt(0.4f)); // the animation pauses
-        const FrameStats stats = renderer.render(kCamera);
+        const FrameStats stats = renderer.render(kFront);
         EXPECT_EQ(stats.lumelsLit, 0u) << i;
         EXPECT_FALSE(stats.passMs.contains("deform")) << i;
     }
     renderer.deform(shapeAt(0.9f));
-    const FrameStats stats = renderer.render(kCamera);
+    const FrameStats stats = renderer.render(kFront);
     EXPECT_GT(stats.lumelsLit, 0u);
     EXPECT_TRUE(stats.passMs.contains("deform"));
     for (uint32_t i = 0; i < FeedbackPass::kCycle; ++i)
-        renderer.render(kCamera); // until the sub-pixel offsets have met every tile
+        renderer.render(kFront); // until the sub-pixel offsets have met every tile
     setShape(s, 0.9f);
-    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, kCamera, settingsFor(Shading::tsl)).display), 45.0);
+    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, kFront, settingsFor(Shading::tsl)).display), 45.0);
 }
 
 // The shadow of a deforming object follows it, whether the camera sees what casts it or the ground alone.
@@ -175,7 +175,7 @@ TEST_F(DeformTest, TheSameMotionGivesTheSameBits)
         Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
         for (int i = 0; i < 6; ++i) {
             renderer.deform(shapeAt(0.2f * float(i)));
-            renderer.render(kCamera);
+            renderer.render(kFront);
         }
         return renderer.readRadiance().pixels;
     };
@@ -191,9 +191,9 @@ TEST_F(DeformTest, JointsBringWhatWasOutOfViewIntoItAsItsNodeWould)
         const glm::mat4 m = glm::translate(glm::mat4(1.0f), glm::vec3(x, 0, 0));
         byJoints.deform({{{m, m}}, {{0.0f}}});
         byNode.moveObject(0, m);
-        const FrameStats stats = byJoints.render(kCamera);
+        const FrameStats stats = byJoints.render(kFront);
         EXPECT_EQ(stats.objectsCulled, x > 1.0f ? 1u : 0u);
-        EXPECT_EQ(byNode.render(kCamera).lumelsLit, stats.lumelsLit);
+        EXPECT_EQ(byNode.render(kFront).lumelsLit, stats.lumelsLit);
     }
     EXPECT_GT(psnr(byJoints.readDisplay(), byNode.readDisplay()), 60.0);
 }
@@ -205,9 +205,9 @@ TEST_F(DeformTest, JointsThatMirrorShowTheFront)
     Settings settings = settingsFor(Shading::tsl);
     Renderer renderer(device(), s.scene, s.materials, settings);
     renderer.deform({{{mirror, mirror}}, {{0.0f}}});
-    renderer.render(kCamera);
+    renderer.render(kFront);
     // The plane is symmetric, and so is its material.
-    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, kCamera, settings).display), 35.0);
+    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, kFront, settings).display), 35.0);
 }
 
 TEST_F(DeformTest, VertexColoursTintEveryShading)

@@ -8,8 +8,8 @@
 namespace lumel::test {
 namespace {
 
-constexpr glm::uvec2 kSize{240, 135}; // as large as a view is metered
-const scene::Camera kCamera = cameraAt({0.5f, 0.8f, 3.0f});
+constexpr glm::uvec2 kMeteredSize{240, 135}; // as large as a view is metered
+const scene::Camera kMetered = cameraAt({0.5f, 0.8f, 3.0f});
 
 TestScene bumpySphere(float lux)
 {
@@ -25,12 +25,12 @@ TEST_F(Exposure, TheHistogramIsThatOfThePicture)
 {
     for (const float lux : {3.0f, 100000.0f}) {
         const TestScene s = bumpySphere(lux);
-        Settings settings = settingsFor(Shading::forward, kSize);
+        Settings settings = settingsFor(Shading::forward, kMeteredSize);
         settings.msaa = 1;
         settings.ambient = 0.0f; // black is not lit, or nothing
         Renderer renderer(device(), s.scene, s.materials, settings);
-        const LuminanceHistogram histogram = renderer.meter(kCamera);
-        renderer.render(kCamera);
+        const LuminanceHistogram histogram = renderer.meter(kMetered);
+        renderer.render(kMetered);
         const Image radiance = renderer.readRadiance();
         LuminanceHistogram oracle{};
         for (int y = 0; y < radiance.height; ++y)
@@ -57,10 +57,10 @@ TEST_F(Exposure, EveryWayOfShadingMetersTheSame)
     for (const Shading way : {Shading::tsl, Shading::forward, Shading::reference}) {
         Renderer renderer(device(), s.scene, s.materials, settingsFor(way, {700, 400}));
         for (int i = 0; i < 2; ++i) { // before and after a frame
-            const LuminanceHistogram histogram = renderer.meter(kCamera);
+            const LuminanceHistogram histogram = renderer.meter(kMetered);
             EXPECT_EQ(histogram, first.value_or(histogram)) << int(way);
             first = histogram;
-            renderer.render(kCamera);
+            renderer.render(kMetered);
         }
     }
 }
@@ -70,7 +70,7 @@ TEST_F(Exposure, TheEnvironmentCountsWhereItIsSeen)
     TestScene s = bumpySphere(3.0f);
     s.scene.environment = std::make_shared<const scene::Environment>(scene::skyEnvironment());
     Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl, {320, 180}));
-    const LuminanceHistogram histogram = renderer.meter(kCamera);
+    const LuminanceHistogram histogram = renderer.meter(kMetered);
     EXPECT_EQ(std::accumulate(histogram.begin(), histogram.end(), 0u), 256u * 144u);
 }
 
@@ -80,13 +80,13 @@ TEST_F(Exposure, MeteringChangesNoPicture)
     for (const Shading way : {Shading::tsl, Shading::reference}) {
         Settings settings = settingsFor(way);
         settings.samples = 4;
-        const Image plain = shoot(s, kCamera, settings).display;
+        const Image plain = shoot(s, kMetered, settings).display;
         Renderer renderer(device(), s.scene, s.materials, settings);
-        renderer.meter(kCamera);
-        renderer.render(kCamera);
+        renderer.meter(kMetered);
+        renderer.render(kMetered);
         EXPECT_EQ(renderer.readDisplay().pixels, plain.pixels);
         renderer.meter(cameraAt({-0.5f, 0.2f, 2.0f}));
-        const FrameStats second = renderer.render(kCamera);
+        const FrameStats second = renderer.render(kMetered);
         EXPECT_EQ(second.lumelsLit, 0u);
         EXPECT_FALSE(second.passMs.contains("meter"));
         EXPECT_EQ(renderer.readDisplay().pixels, plain.pixels);

@@ -166,8 +166,6 @@ protected:
     shared::PlanPush push_{};
 };
 
-} // namespace
-
 TEST_F(PlanShaders, MarksKeepToTheirList)
 {
     makeObjects(10);
@@ -253,3 +251,5 @@ TEST_F(PlanShaders, SumsOfManySamplesCarry)
     EXPECT_EQ(sums.carries[0], 1u);
     EXPECT_EQ(sums.carries[1], 0u);
 }
+
+} // namespace

@@ -6,7 +6,7 @@
 namespace lumel::test {
 namespace {
 
-constexpr glm::uvec2 kSize{320, 180};
+constexpr glm::uvec2 kViewSize{320, 180};
 constexpr float kMaskDistance = 0.5f; // above the floor
 constexpr int kTexels = 64;
 
@@ -59,13 +59,13 @@ enum class Seen { neither, hole, beside };
 Seen seenAt(int x, int y, int cells)
 {
     const float tangent = std::tan(0.5f * kAbove.yFov);
-    const glm::vec2 ndc(2.0f * (float(x) + 0.5f) / float(kSize.x) - 1.0f,
-                        1.0f - 2.0f * (float(y) + 0.5f) / float(kSize.y));
-    const glm::vec2 slope = ndc * tangent * glm::vec2(float(kSize.x) / float(kSize.y), 1.0f);
+    const glm::vec2 ndc(2.0f * (float(x) + 0.5f) / float(kViewSize.x) - 1.0f,
+                        1.0f - 2.0f * (float(y) + 0.5f) / float(kViewSize.y));
+    const glm::vec2 slope = ndc * tangent * glm::vec2(float(kViewSize.x) / float(kViewSize.y), 1.0f);
     const glm::vec2 floor = slope * kAbove.eye.z, sheet = slope * (kAbove.eye.z - kMaskDistance);
     if (std::max(std::abs(floor.x), std::abs(floor.y)) > 0.95f)
         return Seen::neither;
-    const float margin = 3.0f * 2.0f * tangent * kAbove.eye.z / float(kSize.y); // 3 pixels
+    const float margin = 3.0f * 2.0f * tangent * kAbove.eye.z / float(kViewSize.y); // 3 pixels
     if (sheet.x > margin)
         return Seen::beside;
     const glm::vec2 uv(0.5f * (sheet.x + 2.0f), 0.5f * (1.0f - sheet.y));
@@ -95,7 +95,7 @@ TEST_F(Mask, WhatHolesShowIsAsGoodAsWhatLiesBesideThem)
     constexpr int kCells = 4;
     const TestScene s = sheetOverFloor(scene::AlphaMode::mask, kCells);
     const auto picture = [&](Shading way) {
-        Settings settings = settingsFor(way, kSize);
+        Settings settings = settingsFor(way, kViewSize);
         settings.shadows = false; // whose edges are behind the sheet alone
         return shoot(s, kAbove, settings).display;
     };
@@ -112,15 +112,15 @@ TEST_F(Mask, FineHolesInMotionShowFineLight)
     constexpr int kCells = 16;
     TestScene s = sheetOverFloor(scene::AlphaMode::mask, kCells);
     s.materials[1].opacity = chessOpacity(kCells);
-    Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl, kSize));
+    Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl, kViewSize));
     scene::Camera camera = cameraAt({0.6f, 0.1f, 2.6f}, {0.6f, 0.1f, 0.0f});
     for (int i = 0; i < 12; ++i) { // sideways, until the sheet is in view as above
         renderer.render(camera);
         camera.eye.x = camera.target.x -= 0.05f;
     }
     const Image moved = (renderer.render(camera), renderer.readDisplay());
-    const Image forward = shoot(s, camera, settingsFor(Shading::forward, kSize)).display;
-    const Image truth = shoot(s, camera, settingsFor(Shading::reference, kSize)).display;
+    const Image forward = shoot(s, camera, settingsFor(Shading::forward, kViewSize)).display;
+    const Image truth = shoot(s, camera, settingsFor(Shading::reference, kViewSize)).display;
     const auto leftHalf = [](const Image& image) {
         Image half(image.width / 2, image.height, 3);
         for (int y = 0; y < half.height; ++y)
@@ -139,8 +139,8 @@ TEST_F(Mask, BlendedSurfacesHideNothing)
     TestScene s = sheetOverFloor(scene::AlphaMode::blend, 4);
     s.materials[1].opacity.assign(1, Image(1, 1, 1));
     s.materials[1].opacity[0].pixels = {0.2f};
-    const Image truth = shoot(s, kAbove, settingsFor(Shading::reference, kSize)).display;
-    const Image tsl = shoot(s, kAbove, settingsFor(Shading::tsl, kSize)).display;
+    const Image truth = shoot(s, kAbove, settingsFor(Shading::reference, kViewSize)).display;
+    const Image tsl = shoot(s, kAbove, settingsFor(Shading::tsl, kViewSize)).display;
     const double behind = psnrWhere(tsl, truth, Seen::hole, 4),
                  beside = psnrWhere(tsl, truth, Seen::beside, 4);
     std::cout << fmt::format("veil: {:.1f} dB behind, {:.1f} dB beside\n", behind, beside);
@@ -156,20 +156,21 @@ TEST_F(Mask, CutOutsCastShadowsWithHoles)
     s.scene.objects[0].worldFromObject = glm::mat4(1.0f);
     for (const Shading way : {Shading::tsl, Shading::forward}) {
         const scene::Camera below = cameraAt({0.0f, -2.2f, 1.6f});
-        Settings settings = settingsFor(way, kSize);
+        Settings settings = settingsFor(way, kViewSize);
         const Image shadowed = shoot(s, below, settings).radiance;
         settings.shadows = false;
         const Image lit = shoot(s, below, settings).radiance;
         // Middles of cells on the floor; the camera looks under the sheet from the side.
         int holes = 0, shades = 0;
-        const glm::mat4 clip = reversedPerspective(below.yFov, float(kSize.x) / float(kSize.y), 0.01f) *
-                               glm::lookAt(below.eye, below.target, below.up);
+        const glm::mat4 clip =
+            reversedPerspective(below.yFov, float(kViewSize.x) / float(kViewSize.y), 0.01f) *
+            glm::lookAt(below.eye, below.target, below.up);
         for (int x = 2; x < kCells; ++x) {
             const int y = kCells - 1; // the nearest row, which nothing hides from here
             const glm::vec3 p(2.0f * (float(x) + 0.5f) / float(kCells) - 2.0f,
                               1.0f - 2.0f * (float(y) + 0.5f) / float(kCells), 0.0f);
             const glm::vec4 at = clip * glm::vec4(p, 1.0f);
-            const glm::vec2 place = (glm::vec2(at) / at.w * 0.5f + 0.5f) * glm::vec2(kSize);
+            const glm::vec2 place = (glm::vec2(at) / at.w * 0.5f + 0.5f) * glm::vec2(kViewSize);
             const float share =
                 *shadowed.at(int(place.x), int(place.y)) / *lit.at(int(place.x), int(place.y));
             if ((x + y) % 2 == 0) {

@@ -21,12 +21,12 @@ Settings smallSettings(Shading shading)
     return settings;
 }
 
-const scene::Camera kCamera = cameraAt({0.5f, 0.4f, 2.2f});
+const scene::Camera kAside = cameraAt({0.5f, 0.4f, 2.2f});
 
 Image rendered(const TestScene& s, const Settings& settings)
 {
     Renderer renderer(device(), s.scene, s.materials, settings);
-    renderer.render(kCamera);
+    renderer.render(kAside);
     return renderer.readDisplay();
 }
 
@@ -46,7 +46,7 @@ TEST(SettingsChange, ShowsWhatANewRendererShows)
     for (size_t i = 0; i < changes.size(); ++i) {
         renderer.setSettings(changes[i]);
         renderer.restart();
-        renderer.render(kCamera);
+        renderer.render(kAside);
         EXPECT_EQ(renderer.readDisplay().pixels, rendered(s, changes[i]).pixels) << "change " << i;
     }
 }
@@ -64,7 +64,7 @@ TEST(SettingsChange, ToneMappersDiffer)
     EXPECT_NE(neutral.pixels, aces.pixels);
     EXPECT_NE(neutral.pixels, clamped.pixels);
     Renderer renderer(device(), s.scene, s.materials, settings);
-    renderer.render(kCamera);
+    renderer.render(kAside);
     const Image radiance = renderer.readRadiance(), shown = renderer.readDisplay();
     for (size_t i = 0; i < radiance.pixels.size(); ++i)
         EXPECT_NEAR(shown.pixels[i], linearToSrgb(std::min(4.0f * radiance.pixels[i], 1.0f)), 0.003f);
@@ -79,12 +79,12 @@ TEST(Reference, AccumulatedOverFramesIsTheSameAsAtOnce)
     Renderer renderer(device(), s.scene, s.materials, settings);
     renderer.accumulate(cameraAt({-0.5f, 0.2f, 3.0f})); // another view: not to be mixed in
     for (int i = 1; i <= 6; ++i) {
-        renderer.accumulate(kCamera);
+        renderer.accumulate(kAside);
         EXPECT_EQ(renderer.samples(), i);
     }
     EXPECT_EQ(renderer.readDisplay().pixels, atOnce.pixels);
     renderer.setLights({sun({0.4f, -0.5f, -1.0f})});
-    renderer.accumulate(kCamera);
+    renderer.accumulate(kAside);
     EXPECT_EQ(renderer.samples(), 1);
 }
 
@@ -92,11 +92,11 @@ TEST(Lights, ChangedOnesGiveTheSkyOfASceneThatHasThem)
 {
     TestScene s = bumpyPlane();
     Renderer renderer(device(), s.scene, s.materials, smallSettings(Shading::tsl));
-    renderer.render(kCamera);
+    renderer.render(kAside);
     s.scene.lights = {sun({0.3f, -0.6f, -1.0f}, 1.0f)};
     renderer.setLights(s.scene.lights);
     for (int i = 0; i < 2; ++i)
-        renderer.render(kCamera);
+        renderer.render(kAside);
     EXPECT_GT(psnr(renderer.readDisplay(), rendered(s, smallSettings(Shading::tsl))), 60.0);
 }
 

@@ -19,8 +19,6 @@ gpu::Buffer staged(size_t bytes)
     return staging;
 }
 
-} // namespace
-
 // The display pass, for one: its view from a buffer and its picture from an image that were uploaded just
 // before.
 TEST_F(UploadTest, ComputeReadsWhatWasJustUploaded)
@@ -66,3 +64,5 @@ TEST_F(UploadTest, ComputeReadsWhatWasJustUploaded)
     EXPECT_EQ(bytes[0], std::byte(0));
     EXPECT_EQ(bytes[3], std::byte(255)); // alpha
 }
+
+} // namespace

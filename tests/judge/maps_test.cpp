@@ -4,11 +4,6 @@
 namespace lumel::test {
 namespace {
 
-json info(int texture)
-{
-    return {{"index", texture}};
-}
-
 // A ball with a base colour and an emission of these sizes.
 void emission(const char* name, int baseSize, int size)
 {

@@ -4,11 +4,6 @@
 namespace lumel::test {
 namespace {
 
-json info(int texture)
-{
-    return {{"index", texture}};
-}
-
 // Parameters that vary do so in steps between fine texels: few samples fall between two, where the judge
 // interpolates glTF's parameters and the renderer the reflectances made of them.
 void aBall(const std::string& name, Subject& subject, const json& material, const Look& look = {})

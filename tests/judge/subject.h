@@ -23,6 +23,12 @@ Shape sheet(int cells = 1);
 // are unique too.
 Shape ball(int rows = 32, int columns = 64);
 
+// How a material names a texture.
+inline json info(int texture)
+{
+    return {{"index", texture}};
+}
+
 // Random colours in a grid of cells; alpha 0 or 1. The same for the same seed.
 Image patches(int size, int cells, uint32_t seed, bool withAlpha = false);
 // One colour with random holes.

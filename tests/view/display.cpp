@@ -15,11 +15,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-void pause(int milliseconds)
-{
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-}
-
 // Windows vanish at any time; that is no reason to end.
 int ignoreErrors(::Display*, XErrorEvent*)
 {
@@ -27,6 +22,11 @@ int ignoreErrors(::Display*, XErrorEvent*)
 }
 
 } // namespace
+
+void pause(int milliseconds)
+{
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+}
 
 Display::Display()
 {

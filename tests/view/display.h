@@ -9,6 +9,8 @@
 
 namespace lumel::view {
 
+void pause(int milliseconds);
+
 class Display {
 public:
     Display(); // started() is false where Xvfb is missing

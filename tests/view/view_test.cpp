@@ -18,11 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void pause(int milliseconds)
-{
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-}
-
 using cli::readText;
 
 Display* display = nullptr;

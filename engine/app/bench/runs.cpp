@@ -3,6 +3,7 @@
 #include "core/file.h"
 #include "core/pass_names.h"
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace lumel::bench {
 namespace {

@@ -65,12 +65,12 @@ void dropUnused(Mesh& mesh)
         index = renamed[index];
 }
 
-struct Attributes {
+struct VertexAttributes {
     int position, normal, tangent;
     std::array<int, 2> uv; // TEXCOORD_0 and _1
 };
 
-Attributes attributesOf(const tinygltf::Primitive& primitive)
+VertexAttributes attributesOf(const tinygltf::Primitive& primitive)
 {
     return {attribute(primitive, "POSITION"),
             attribute(primitive, "NORMAL"),
@@ -91,7 +91,7 @@ std::vector<float> readAttribute(const Reader& reader, int accessor, int compone
     return readFloats(reader, accessor, components, storage, what);
 }
 
-void readVertices(Reader& reader, const Attributes& use, Mesh& mesh)
+void readVertices(Reader& reader, const VertexAttributes& use, Mesh& mesh)
 {
     const size_t count = accessorCount(reader, use.position);
     if (count > kMaxVertices)
@@ -111,7 +111,7 @@ void readVertices(Reader& reader, const Attributes& use, Mesh& mesh)
     }
 }
 
-UvSets readUvSets(const Reader& reader, const Attributes& use, size_t vertexCount)
+UvSets readUvSets(const Reader& reader, const VertexAttributes& use, size_t vertexCount)
 {
     UvSets sets;
     for (size_t s = 0; s < sets.size(); ++s) {
@@ -167,7 +167,7 @@ void readTriangles(Reader& reader, const tinygltf::Primitive& primitive, Mesh& m
     mesh.indices = triangleList(indices, primitive.mode);
 }
 
-MadeFrames completeFrames(const Attributes& use, bool hasMaterialUvs, Mesh& mesh)
+MadeFrames completeFrames(const VertexAttributes& use, bool hasMaterialUvs, Mesh& mesh)
 {
     if (use.normal < 0)
         makeFlatNormals(mesh);
@@ -200,7 +200,7 @@ int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const Materia
         reader.fail(fmt::format("mesh '{}' has the unknown mode {}", name, primitive.mode));
     if (!isTriangles(primitive.mode))
         return -1;
-    const Attributes use = attributesOf(primitive);
+    const VertexAttributes use = attributesOf(primitive);
     if (use.position < 0)
         reader.fail(fmt::format("mesh '{}' has no POSITION", name));
     Mesh mesh;
@@ -237,7 +237,7 @@ int makeMesh(Reader& reader, const tinygltf::Primitive& primitive, const Materia
 // Primitives that differ in nothing that a mesh is made of.
 std::vector<int> cacheKey(const tinygltf::Primitive& p, const Material& material)
 {
-    const Attributes use = attributesOf(p);
+    const VertexAttributes use = attributesOf(p);
     std::vector<int> key = {p.mode, p.indices, use.position, use.normal, use.tangent, use.uv[0], use.uv[1]};
     for (const UvMapping& m : {material.uv, material.emissionUv}) {
         key.push_back(m.set);

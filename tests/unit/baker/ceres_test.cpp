@@ -16,7 +16,7 @@ struct DiscNode {
 };
 
 // 1 - <G,f>^2 / (<G,G> <f,f>), both integrals over the same dense nodes.
-struct Error {
+struct FitError {
     const std::vector<DiscNode>& nodes;
     double area, energy;
 
@@ -58,11 +58,11 @@ void startFrom(const Shape& shape, double* p)
     p[4] = u12;
 }
 
-double search(const Error& error, const Shape& start)
+double search(const FitError& error, const Shape& start)
 {
     double p[5];
     startFrom(start, p);
-    ceres::GradientProblem problem(new ceres::AutoDiffFirstOrderFunction<Error, 5>(new Error(error)));
+    ceres::GradientProblem problem(new ceres::AutoDiffFirstOrderFunction<FitError, 5>(new FitError(error)));
     ceres::GradientProblemSolver::Options options;
     options.line_search_direction_type = ceres::BFGS;
     options.max_num_iterations = 60;
@@ -140,7 +140,7 @@ TEST(CeresOracle, FindsNothingBetterOnTwoHundredTexels)
         const double step = 0.06;
         double energy = 0.0;
         const std::vector<DiscNode> nodes = nodesOf(lobes, step, energy);
-        const Error error{nodes, step * step, energy};
+        const FitError error{nodes, step * step, energy};
         const Moments mean = momentsOf(lobes);
         std::vector<Shape> starts = {leanShape(mean), toksvigShape(mean), averageShape(mean)};
         for (int k = 0; k < 4; ++k)

@@ -26,7 +26,7 @@ Measured measured(Maps maps, Options options = {})
     return m;
 }
 
-Maps smallMap()
+Maps reportedMap()
 {
     return heightMaps(bumps(16, 16), 0.1f, 90.0f);
 }
@@ -57,7 +57,7 @@ size_t count(const std::string& text, const std::string& part)
 
 TEST(ReportMeasure, FiguresAreTheOracles)
 {
-    const Measured m = measured(smallMap());
+    const Measured m = measured(reportedMap());
     ASSERT_EQ(m.report.measured.methods,
               (std::vector<std::string>{"fit", "lean", "toksvig", "average", "height", "flat"}));
     const Method forms[] = {Method::fit,     Method::lean,   Method::toksvig,
@@ -108,7 +108,7 @@ TEST(ReportMeasure, BakedClosedFormsAreNamedByTheirKs)
 {
     Options lean;
     lean.method = Method::lean;
-    const Measured m = measured(smallMap(), lean);
+    const Measured m = measured(reportedMap(), lean);
     EXPECT_EQ(m.report.measured.methods[0], "lean, mean Ks");
     EXPECT_EQ(m.report.measured.methods[1], "lean");
     const auto json = nlohmann::json::parse(reportJson(m.report));
@@ -161,7 +161,7 @@ TEST(ReportMeasure, DiffuseErrorsAreThoseOfBruteForce)
 
 TEST(ReportMeasure, PathsRunDownToTheFit)
 {
-    const Measured m = measured(smallMap());
+    const Measured m = measured(reportedMap());
     for (const MeasuredLevel& level : m.report.measured.levels)
         for (const Exhibit& exhibit : level.exhibits) {
             const Landscape& land = exhibit.landscape;
@@ -178,7 +178,7 @@ TEST(ReportMeasure, PathsRunDownToTheFit)
 
 TEST(ReportMeasure, JsonHasTheDocumentedFields)
 {
-    const Measured m = measured(smallMap());
+    const Measured m = measured(reportedMap());
     const auto json = nlohmann::json::parse(reportJson(m.report));
     EXPECT_EQ(json["schema"], 2);
     EXPECT_EQ(json["map"], m.report.name);
@@ -209,7 +209,7 @@ TEST(ReportMeasure, JsonHasTheDocumentedFields)
 
 TEST(ReportMeasure, PageIsSelfContainedAndEscaped)
 {
-    const Measured m = measured(smallMap());
+    const Measured m = measured(reportedMap());
     const std::string page = textOf(m.report);
     EXPECT_NE(page.find("&lt;rock&gt; &amp; &quot;roll&quot;.exr"), std::string::npos);
     EXPECT_EQ(page.find("<rock>"), std::string::npos);

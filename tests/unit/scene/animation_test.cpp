@@ -1,3 +1,4 @@
+#include "expect_near.h"
 #include "gltf_builder.h"
 #include "scene/animation.h"
 #include <numbers>
@@ -8,11 +9,6 @@ namespace {
 using nlohmann::json;
 
 constexpr float kPi = float(std::numbers::pi);
-
-void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-5f)
-{
-    EXPECT_LT(glm::distance(a, b), tolerance) << a.x << ' ' << a.y << ' ' << a.z;
-}
 
 Track vectors(Interpolation interpolation, std::vector<glm::vec4> values)
 {

@@ -1,4 +1,5 @@
 // Compressed, quantised and instanced geometry: what arrives is what was packed, and damage is refused.
+#include "expect_near.h"
 #include "gltf_compress.h"
 #include <map>
 
@@ -12,12 +13,6 @@ struct Compression : testing::Test {
     GltfBuilder gltf;
     Scene load() { return loadGltf(gltf.writeGltf(folder)); }
 };
-
-void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-5f)
-{
-    for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(a[c], b[c], tolerance);
-}
 
 // UVs by position: what is seen, in whatever order it is stored. `tolerance` of both.
 void expectUnitSquare(const Mesh& mesh, float tolerance)

@@ -1,4 +1,5 @@
 // What a correct file becomes. gltf_hostile_test.cpp has the others.
+#include "expect_near.h"
 #include "gltf_builder.h"
 #include <set>
 
@@ -12,13 +13,6 @@ struct Gltf : testing::Test {
     GltfBuilder gltf;
     Scene load() { return loadGltf(gltf.writeGltf(folder)); }
 };
-
-void expectNear(glm::vec3 a, glm::vec3 b, float tolerance = 1e-5f)
-{
-    EXPECT_NEAR(a.x, b.x, tolerance);
-    EXPECT_NEAR(a.y, b.y, tolerance);
-    EXPECT_NEAR(a.z, b.z, tolerance);
-}
 
 glm::vec3 transformed(const Object& object, glm::vec3 p)
 {

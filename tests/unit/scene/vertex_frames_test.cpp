@@ -1,3 +1,4 @@
+#include "expect_near.h"
 #include "gltf_builder.h"
 #include "scene/vertex_frames.h"
 
@@ -5,7 +6,7 @@ namespace lumel::scene {
 namespace {
 
 // Upright image on a square facing +z; `mirror` flips u.
-Mesh square(bool mirror = false)
+Mesh unitSquare(bool mirror = false)
 {
     Mesh mesh;
     const auto u = [&](float x) { return mirror ? 1.0f - x : x; };
@@ -28,14 +29,9 @@ glm::vec3 worldNormal(const Vertex& v, glm::vec3 texel)
     return texel.x * tangent + texel.y * bitangent + texel.z * v.normal;
 }
 
-void expectNear(glm::vec3 a, glm::vec3 b)
-{
-    EXPECT_LT(glm::length(a - b), 1e-5f) << a.x << " " << a.y << " " << a.z;
-}
-
 TEST(Tangents, RedPointsAlongUAndGreenUpTheImage)
 {
-    Mesh mesh = square();
+    Mesh mesh = unitSquare();
     makeTangents(mesh);
     EXPECT_EQ(mesh.vertices.size(), 4u);
     for (const Vertex& v : mesh.vertices) {
@@ -47,7 +43,7 @@ TEST(Tangents, RedPointsAlongUAndGreenUpTheImage)
 
 TEST(Tangents, MirroredUvsFlipTheHandedness)
 {
-    Mesh mesh = square(true);
+    Mesh mesh = unitSquare(true);
     makeTangents(mesh);
     for (const Vertex& v : mesh.vertices) {
         EXPECT_EQ(v.tangent.w, -1.0f);
@@ -84,7 +80,7 @@ TEST(Tangents, DoNotDependOnHowTheIndexBufferIsSplit)
 {
     // A folded strip: the shared edge's corners average over both triangles, whether the vertices are
     // stored once or twice.
-    Mesh shared = square();
+    Mesh shared = unitSquare();
     shared.vertices[3].position = {0.2f, 1.0f, 0.5f};
     for (Vertex& v : shared.vertices)
         v.normal = glm::normalize(glm::vec3(-0.1f, -0.2f, 1.0f));
@@ -127,7 +123,7 @@ TEST(Tangents, CornersWeighByTheirAngle)
 
 TEST(Tangents, TrianglesWithoutUvAreaBorrow)
 {
-    Mesh mesh = square();
+    Mesh mesh = unitSquare();
     Vertex far = mesh.vertices[2];
     far.position = {5, 5, 0}; // same UV as vertex 2: the triangle below spans no UV area
     mesh.vertices.push_back(far);
@@ -160,7 +156,7 @@ TEST(Tangents, WithoutUvsAreUnitAndAcrossTheNormal)
 
 TEST(Tangents, FromTheFileAreRepaired)
 {
-    Mesh mesh = square();
+    Mesh mesh = unitSquare();
     mesh.vertices[0].tangent = {0, 3, 0, 1};     // not unit
     mesh.vertices[1].tangent = {0, 0, 0, 0};     // missing
     mesh.vertices[2].tangent = {0, 0, 1, -0.5f}; // along the normal
@@ -196,7 +192,7 @@ TEST(Normals, FlatWhereTheFileHasNone)
 
 TEST(Normals, OfLengthZeroAreRebuiltAndOthersNormalised)
 {
-    Mesh mesh = square();
+    Mesh mesh = unitSquare();
     mesh.vertices[1].normal = {0, 0, 0};
     mesh.vertices[2].normal = {0, 0, 40};
     repairNormals(mesh);
