@@ -30,7 +30,7 @@ void count(uvec4 seenBy)
     float minor = exp2(footprintOf(dx, dy, size, 1e4).level);
     float major = area / minor;
     float longer = max(major, 1.0) / max(minor, 1.0), share = min(major, 1.0) * min(minor, 1.0);
-    uint bin = min(uint(float(kElongationsAnOctave) * log2(longer)), kElongations - 1u);
+    uint bin = min(uint(float(kElongationsPerOctave) * log2(longer)), kElongations - 1u);
     atomicAdd(elongations[bin], uint(share * float(kFeedbackScale)));
 }
 

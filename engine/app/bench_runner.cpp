@@ -194,7 +194,8 @@ void BenchRunner::addView(const scene::Scene& scene, const Uploaded& uploaded,
         settings.exposure = exposure;
         settings.shading = Shading::reference;
         view.reference = std::make_unique<Renderer>(
-            device_, scene, uploaded.resourcesOf(uploaded.materials.begin()->first, scene), applicable(settings));
+            device_, scene, uploaded.resourcesOf(uploaded.materials.begin()->first, scene),
+            applicable(settings));
     }
 }
 

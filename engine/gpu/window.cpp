@@ -39,11 +39,11 @@ vk::SurfaceFormatKHR chooseFormat(const std::vector<vk::SurfaceFormatKHR>& forma
 Placement clipped(Placement placement, vk::Extent2D size)
 {
     const auto clip = [](int32_t at, uint32_t& to, uint32_t& from, uint32_t most) {
-        const uint32_t room = uint32_t(std::max(int64_t(most) - at, int64_t(0)));
-        if (to <= room)
+        const uint32_t left = uint32_t(std::max(int64_t(most) - at, int64_t(0)));
+        if (to <= left)
             return;
-        from = uint32_t(uint64_t(from) * room / to);
-        to = room;
+        from = uint32_t(uint64_t(from) * left / to);
+        to = left;
     };
     vk::Rect2D &to = placement.to, &from = placement.from;
     clip(to.offset.x, to.extent.width, from.extent.width, size.width);

@@ -11,7 +11,7 @@ void Renderer::countLumels(const Frame& frame)
     } else {
         const shared::Plan& plan = plan_.read();
         if (plan.dropped > 0)
-            spdlog::error("{} entries found no room in the lists of tiles; report this", plan.dropped);
+            spdlog::error("{} entries exceeded the tile lists; report this", plan.dropped);
         known_.lumelsMarked = plan.lumelsMarked;
         known_.tilesMarked = plan.marked;
         lumelsPending_ = plan.lumelsPending;

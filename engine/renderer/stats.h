@@ -1,4 +1,5 @@
-// What a frame did and what it cost; `--stats` and `bench --json` write it in one schema (README).
+// What a frame did and what it cost; `--stats` and `bench --json` write it in one schema
+// (app/bench/README.md).
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -122,7 +122,7 @@ std::optional<std::string> BakeCache::recall(const std::string& inputKey) const
             throw Error("the file has changed since it was stored");
         return key;
     } catch (const std::exception& e) {
-        spdlog::debug("cache entry {} is made anew: {}", inputKey, e.what());
+        spdlog::debug("cache entry {} is recreated: {}", inputKey, e.what());
         return std::nullopt;
     }
 }
@@ -167,7 +167,7 @@ std::optional<BakedMaterial> BakeCache::load(const std::string& key) const
     } catch (const Interrupted&) {
         throw;
     } catch (const std::exception& e) {
-        spdlog::debug("cache entry {} is baked anew: {}", key, e.what());
+        spdlog::debug("cache entry {} is baked again: {}", key, e.what());
         return std::nullopt;
     }
 }

@@ -32,7 +32,7 @@ float lumelsPerPixel(const Elongations& elongations, float pixels, const Detail&
 {
     float lumels = 0.0f;
     for (size_t i = 0; i < elongations.size(); ++i) {
-        const float longer = std::exp2((float(i) + 0.5f) / float(shared::kElongationsAnOctave));
+        const float longer = std::exp2((float(i) + 0.5f) / float(shared::kElongationsPerOctave));
         const float a = detail.anisotropy;
         lumels += elongations[i] * (longer <= a ? longer : a * a / longer);
     }

@@ -8,7 +8,7 @@
 namespace lumel::tsl {
 
 // Pixels by how long their footprints are: bin i counts those whose longer axis is 2^((i + 0.5) /
-// kElongationsAnOctave) times the shorter. Magnified pixels count as the share of a lumel that they see.
+// kElongationsPerOctave) times the shorter. Magnified pixels count as the share of a lumel that they see.
 using Elongations = std::array<float, shared::kElongations>;
 
 struct Detail {

@@ -281,7 +281,7 @@ struct ObjectFeedback {
 // What it finds of the view: samples by how much longer than wide their footprints are (tsl/detail.h), in
 // 1 / kFeedbackScale.
 LUMEL_CONST uint kElongations = 20u; // bins
-LUMEL_CONST uint kElongationsAnOctave = 4u;
+LUMEL_CONST uint kElongationsPerOctave = 4u;
 struct FeedbackTotal {
     uint elongations[kElongations];
     uint carries[kElongations]; // of these, 2^32 each: a picture of 8192 x 8192 samples may need two

@@ -96,12 +96,12 @@ TEST_F(Mask, WhatHolesShowIsAsGoodAsWhatLiesBesideThem)
     const TestScene s = sheetOverFloor(scene::AlphaMode::mask, kCells);
     const auto picture = [&](Shading way) {
         Settings settings = settingsFor(way, kViewSize);
-        settings.shadows = false; // whose edges are behind the sheet alone
+        settings.shadows = false; // whose borders are behind the sheet alone
         return shoot(s, kAbove, settings).display;
     };
-    const Image truth = picture(Shading::reference), tsl = picture(Shading::tsl);
-    const double holes = psnrWhere(tsl, truth, Seen::hole, kCells);
-    const double beside = psnrWhere(tsl, truth, Seen::beside, kCells);
+    const Image reference = picture(Shading::reference), tsl = picture(Shading::tsl);
+    const double holes = psnrWhere(tsl, reference, Seen::hole, kCells);
+    const double beside = psnrWhere(tsl, reference, Seen::beside, kCells);
     std::cout << fmt::format("first frame: {:.1f} dB through the holes, {:.1f} dB beside\n", holes, beside);
     EXPECT_GT(holes, beside - 1.0);
 }
@@ -120,15 +120,15 @@ TEST_F(Mask, FineHolesInMotionShowFineLight)
     }
     const Image moved = (renderer.render(camera), renderer.readDisplay());
     const Image forward = shoot(s, camera, settingsFor(Shading::forward, kViewSize)).display;
-    const Image truth = shoot(s, camera, settingsFor(Shading::reference, kViewSize)).display;
+    const Image reference = shoot(s, camera, settingsFor(Shading::reference, kViewSize)).display;
     const auto leftHalf = [](const Image& image) {
         Image half(image.width / 2, image.height, 3);
         for (int y = 0; y < half.height; ++y)
             std::copy_n(image.at(0, y), 3 * half.width, half.at(0, y));
         return half;
     };
-    const double ours = psnr(leftHalf(moved), leftHalf(truth));
-    const double theirs = psnr(leftHalf(forward), leftHalf(truth));
+    const double ours = psnr(leftHalf(moved), leftHalf(reference));
+    const double theirs = psnr(leftHalf(forward), leftHalf(reference));
     std::cout << fmt::format("in motion: tsl {:.1f} dB, forward {:.1f} dB\n", ours, theirs);
     EXPECT_GT(ours, theirs - 0.5);
 }
@@ -139,10 +139,10 @@ TEST_F(Mask, BlendedSurfacesHideNothing)
     TestScene s = sheetOverFloor(scene::AlphaMode::blend, 4);
     s.materials[1].opacity.assign(1, Image(1, 1, 1));
     s.materials[1].opacity[0].pixels = {0.2f};
-    const Image truth = shoot(s, kAbove, settingsFor(Shading::reference, kViewSize)).display;
+    const Image reference = shoot(s, kAbove, settingsFor(Shading::reference, kViewSize)).display;
     const Image tsl = shoot(s, kAbove, settingsFor(Shading::tsl, kViewSize)).display;
-    const double behind = psnrWhere(tsl, truth, Seen::hole, 4),
-                 beside = psnrWhere(tsl, truth, Seen::beside, 4);
+    const double behind = psnrWhere(tsl, reference, Seen::hole, 4),
+                 beside = psnrWhere(tsl, reference, Seen::beside, 4);
     std::cout << fmt::format("veil: {:.1f} dB behind, {:.1f} dB beside\n", behind, beside);
     EXPECT_GT(behind, beside - 1.0);
 }

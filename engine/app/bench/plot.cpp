@@ -132,14 +132,14 @@ Image plotRuns(const std::vector<Run>& runs)
     }
     const float top = drawLegend(canvas, runs, 28.0f) + 22.0f, bottom = float(kHeight) - 48.0f;
     constexpr float kGap = 34.0f;
-    const float room = bottom - top - 2.0f * kGap;
+    const float height = bottom - top - 2.0f * kGap;
     const Value ms = [](const FrameRecord& f) { return f.ms; };
     const Value scale = [](const FrameRecord& f) { return f.renderScale; };
     const Value lumels = [](const FrameRecord& f) { return f.lit / 1000.0; };
-    Panel times{70.0f, top, kWidth - 24.0f, top + 0.5f * room, 0.0, topOf(runs, ms), frames};
+    Panel times{70.0f, top, kWidth - 24.0f, top + 0.5f * height, 0.0, topOf(runs, ms), frames};
     if (!budgets.empty())
         times.to = std::max(times.to, 1.2 * *budgets.rbegin());
-    Panel scales{times.left, times.bottom + kGap, times.right, times.bottom + kGap + 0.2f * room, 0.4, 1.05,
+    Panel scales{times.left, times.bottom + kGap, times.right, times.bottom + kGap + 0.2f * height, 0.4, 1.05,
                  frames};
     Panel lit{times.left, scales.bottom + kGap, times.right, bottom, 0.0, topOf(runs, lumels), frames};
 

@@ -1,4 +1,4 @@
-// Runs as plain data, from the JSON that `bench --json` and `shot --stats` write (README).
+// Runs as plain data, from the JSON that `bench --json` and `shot --stats` write.
 #pragma once
 #include <filesystem>
 #include <map>

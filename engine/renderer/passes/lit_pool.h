@@ -38,7 +38,7 @@ public:
 
 private:
     LitBlock make(glm::uvec2 size) const;
-    void recordTakeover(vk::CommandBuffer commands, const tsl::ObjectResidency& room) const;
+    void recordTakeover(vk::CommandBuffer commands, const tsl::ObjectResidency& resident) const;
     const gpu::Device& device_;
     tsl::TexturePool pool_;
     gpu::SetLayout layout_;

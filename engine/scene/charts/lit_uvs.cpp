@@ -103,14 +103,14 @@ Unwrapping unwrapCached(const Mesh& mesh)
             if (auto found = decoded(readFile(file), mesh))
                 return std::move(*found);
     } catch (const std::exception& e) {
-        spdlog::debug("{}; unwrapped anew", e.what());
+        spdlog::debug("{}; unwrapped again", e.what());
     }
     Unwrapping result = unwrap(mesh);
     try {
         if (!file.empty())
             writeFileAtomically(file, encoded(result));
     } catch (const Error& e) {
-        spdlog::debug("{}; unwrapped anew each time", e.what());
+        spdlog::debug("{}; unwrapped again on each run", e.what());
     }
     return result;
 }

@@ -142,10 +142,10 @@ private:
         return m;
     }
 
-    glm::vec2 pair(const tinygltf::Value& transform, const char* name, glm::vec2 usual) const
+    glm::vec2 pair(const tinygltf::Value& transform, const char* name, glm::vec2 fallback) const
     {
         if (!transform.Has(name))
-            return usual;
+            return fallback;
         const tinygltf::Value& value = transform.Get(name);
         if (!value.IsArray() || value.ArrayLen() != 2)
             reader_.fail(fmt::format("material '{}': KHR_texture_transform.{} is not a pair of numbers",
@@ -161,9 +161,9 @@ private:
         return found == in_.extensions.end() ? none : found->second;
     }
 
-    float numberOf(const tinygltf::Value& values, const char* key, float usual) const
+    float numberOf(const tinygltf::Value& values, const char* key, float fallback) const
     {
-        return values.Has(key) ? number(values.Get(key), key) : usual;
+        return values.Has(key) ? number(values.Get(key), key) : fallback;
     }
 
     std::vector<double> numbersOf(const tinygltf::Value& values, const char* key, size_t count) const

@@ -12,7 +12,7 @@ constexpr Detail kFinest{0.25f, 8.0f};
 Elongations all(float longer, float pixels)
 {
     Elongations elongations{};
-    elongations[size_t(std::log2(longer) * float(shared::kElongationsAnOctave))] = pixels;
+    elongations[size_t(std::log2(longer) * float(shared::kElongationsPerOctave))] = pixels;
     return elongations;
 }
 
