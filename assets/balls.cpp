@@ -1,4 +1,4 @@
-// A row of balls, each with its own relief: what separates methods of filtering it.
+// A row of balls, each with its own relief: they tell methods of filtering relief apart.
 #include "brick.h"
 #include "gltf_writer.h"
 #include "scenes.h"
@@ -77,7 +77,7 @@ BrickPlace brickOnBall(glm::vec3 p)
 
 float bricked(glm::vec3 p)
 {
-    return brickHeight(brickOnBall(p), 4.1f * p); // 13 rows over pi radians: 4.1 bricks a unit
+    return brickHeight(brickOnBall(p), 4.1f * p); // 13 rows over pi radians: 4.1 bricks per unit
 }
 
 // Hammer blows: overlapping shallow dents around scattered points, one in each cell of a lattice.

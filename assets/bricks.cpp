@@ -9,7 +9,7 @@ namespace lumel::assets {
 namespace {
 
 constexpr int kMap = 2048;      // texels
-constexpr float kFloor = 24.0f; // metres a side
+constexpr float kFloor = 24.0f; // metres, side length
 constexpr float kBrick = 0.2f;  // metres, the brick's short side: 17 texels
 constexpr float kSlopeRms = 0.30f;
 

@@ -1,5 +1,5 @@
-// A knot cut into 399 small charts, packed in a random order and each turned at random: what shows every
-// mistake at the borders of charts.
+// A knot cut into 399 small charts, packed in a random order and orientation: shows mistakes at
+// the borders of charts.
 #include "gltf_writer.h"
 #include "noise.h"
 #include "scenes.h"
@@ -13,16 +13,16 @@ namespace lumel::assets {
 namespace {
 
 constexpr float kTau = 2.0f * float(std::numbers::pi);
-constexpr float kScale = 0.1f; // metres a unit: the knot is 0.6 m across
+constexpr float kScale = 0.1f; // metres per unit: the knot is 0.6 m across
 constexpr float kTube = 0.25f; // radius of the tube, units
 
-// A chart a patch: 57 along the knot and 7 around it make patches that are nearly square.
+// One chart per patch: 57 along the knot and 7 around it make patches that are nearly square.
 constexpr int kAlong = 57, kAround = 7, kCharts = kAlong * kAround;
 constexpr int kMap = 1024;           // texels
-constexpr int kCells = 20;           // a row, in the map: room for 400 charts
-constexpr int kCell = kMap / kCells; // texels, not a multiple of 2 on purpose: coarse texels share cells
+constexpr int kCells = 20;           // per row of the map: enough for 400 charts
+constexpr int kCell = kMap / kCells; // texels, deliberately odd: coarse texels straddle cells
 constexpr int kGutter = 2;           // texels around each chart
-constexpr int kDivisions = 5;        // quads a chart's side
+constexpr int kDivisions = 5;        // quads along a chart's side
 
 // Trefoil: the (2, 3) torus knot, on a torus of radii 1 and 0.45. `turn` in [0, 1).
 glm::vec3 knot(float turn)
@@ -53,16 +53,16 @@ struct Point {
     glm::vec3 position, normal; // units
 };
 
-// The tube's surface; `p` counts patches along the knot and around the tube. Frenet's frame, which a
-// trefoil never leaves undefined: it is bent everywhere.
+// The tube's surface; `p` counts patches along the knot and around the tube. The Frenet frame,
+// which is defined everywhere on a trefoil: its curvature never vanishes.
 Point onTube(glm::vec2 p)
 {
     const float turn = turnAt(p.x / kAlong);
     constexpr float kStep = 2e-3f;
     const glm::vec3 before = knot(turn - kStep), here = knot(turn), after = knot(turn + kStep);
     const glm::vec3 tangent = glm::normalize(after - before);
-    const glm::vec3 bend = after - 2.0f * here + before;
-    const glm::vec3 inwards = glm::normalize(bend - tangent * glm::dot(tangent, bend));
+    const glm::vec3 curvature = after - 2.0f * here + before;
+    const glm::vec3 inwards = glm::normalize(curvature - tangent * glm::dot(tangent, curvature));
     const float angle = kTau * p.y / kAround;
     const glm::vec3 normal = std::cos(angle) * inwards + std::sin(angle) * glm::cross(tangent, inwards);
     return {here + kTube * normal, normal};

@@ -11,7 +11,7 @@ namespace lumel::assets {
 namespace {
 
 constexpr int kObjects = 500;
-constexpr float kTile = 22.0f; // metres a side of a piece of the square
+constexpr float kTile = 22.0f; // metres, side of one tile of the square
 
 // Lamps stand farther apart, higher and stronger the farther they are, so that the whole square is lit.
 struct Lamp {
@@ -96,7 +96,7 @@ void writeCrowd(const std::filesystem::path& folder)
     int i = 0;
     for (const Placement& place : placePieces(kObjects - others)) {
         const auto shape = size_t(random01(i, 21) * float(kPieces.size()));
-        const size_t look = (shape + (random01(i, 22) < 0.5f ? 0 : 3)) % kCrowdLooks; // two a shape
+        const size_t look = (shape + (random01(i, 22) < 0.5f ? 0 : 3)) % kCrowdLooks; // two per shape
         gltf.addObject(kPieces[shape].name + std::to_string(i), crowd.shapes[shape], crowd.materials[look],
                        place);
         ++i;

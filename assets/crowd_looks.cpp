@@ -12,7 +12,7 @@ namespace {
 constexpr float kPi = float(std::numbers::pi);
 constexpr int kMap = 256;     // texels of a piece's maps
 constexpr int kTileMap = 512; // texels
-constexpr int kSlabs = 16;    // a side of a tile
+constexpr int kSlabs = 16;    // along a side of a tile
 
 // A point of a piece's map: distance from its middle (1 = the foot) and turn in [0, 1).
 struct Polar {

@@ -15,7 +15,7 @@ constexpr int kMap = 256; // texels
 constexpr int kOuter = 150, kInner = 100;
 
 // A petal of length 1 along +Y from its foot, its inner side towards +Z: x in [-1, 1] across, y in [0, 1]
-// along. `cup`: how much its sides bend inwards.
+// along. `cup`: how much its sides curve inwards.
 glm::vec3 petalAt(glm::vec2 p, float cup)
 {
     const float width = 0.25f * std::pow(std::sin(0.5f * kTau * std::pow(0.04f + 0.95f * p.y, 1.25f)), 0.75f);
@@ -60,7 +60,7 @@ float relief(glm::vec2 texel)
            0.09f * noise2(70.0f * t, 517);
 }
 
-// Petal i of all, from the middle outwards: upright first, then open, at last bent down.
+// Petal i of all, from the middle outwards: upright first, then open, finally turned down.
 Instance placed(int i)
 {
     const float share = std::sqrt((float(i) + 0.5f) / float(kInner + kOuter));

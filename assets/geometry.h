@@ -39,7 +39,7 @@ struct ProfilePoint {
 // +x, v along +z, so that circles on the surface are circles in the map and no seam exists.
 Shape lathe(const std::vector<ProfilePoint>& profile, int segments);
 
-// Six square charts, one a face, three in a row, in a square map of `mapSize` texels. Each chart has
+// Six square charts, one per face, three in a row, in a square map of `mapSize` texels. Each chart has
 // `kBallGutter` texels around it. Faces are divided by equal angles, which keeps texels alike in size.
 inline constexpr int kBallMap = 1024; // texels
 inline constexpr int kBallCell = 336; // a chart with its gutter: a multiple of 16, so 5 levels stay aligned

@@ -353,7 +353,7 @@ void GltfWriter::write() const
     writeFileAtomically(folder_ / (name_ + ".bin"), bin_);
     json document = json_;
     document["buffers"] = {{{"uri", name_ + ".bin"}, {"byteLength", bin_.size()}}};
-    // The .gltf comes last: it stands for the whole scene in the build.
+    // The .gltf is written last: the build takes it as the mark of a complete scene.
     writeFileAtomically(folder_ / (name_ + ".gltf"), document.dump(1) + "\n");
 }
 

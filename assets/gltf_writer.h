@@ -1,4 +1,4 @@
-// A glTF 2.0 scene put together piece by piece and written as .gltf, .bin and PNG files.
+// Builds a glTF 2.0 scene and writes it as .gltf, .bin and PNG files.
 #pragma once
 #include "geometry.h"
 #include "maps.h"
@@ -48,8 +48,8 @@ public:
     // One node for all (EXT_mesh_gpu_instancing).
     void addInstances(const std::string& name, int shape, int material,
                       const std::vector<Instance>& instances);
-    // Joints one above the other, `spacing` metres apart along +Y, the first at `foot`; an object of the
-    // shape that they bend. Returns their nodes. The shape stands on the first joint at rest.
+    // A chain of joints `spacing` metres apart along +Y, the first at `foot`, and an object of the shape
+    // that they deform. Returns the nodes of the joints. The shape stands on the first joint at rest.
     std::vector<int> addChain(const std::string& name, int shape, int material, const Placement& foot,
                               int joints, float spacing);
     int addCamera(const std::string& name, glm::vec3 eye, glm::vec3 target, float yFovDegrees,
@@ -61,7 +61,7 @@ public:
     void addSpot(const std::string& name, glm::vec3 position, glm::vec3 target, glm::vec3 colour,
                  float candela, float range, float outerConeDegrees);
     // Keyframes of a node's "translation" or "rotation" (x, y, z, w). Rotations move linearly; translations
-    // through a spline with the given tangents, metres a second.
+    // through a spline with the given tangents, metres per second.
     void turn(int node, const std::vector<float>& seconds, const std::vector<glm::quat>& rotations);
     void move(const std::vector<int>& nodes, const std::vector<float>& seconds,
               const std::vector<glm::vec3>& places, const std::vector<glm::vec3>& tangents);

@@ -8,7 +8,7 @@
 namespace lumel::assets {
 namespace {
 
-// Strokes of a letter on a grid of 6 x 9, two digits a point (x, y down), strokes parted by blanks.
+// Strokes of a letter on a grid of 6 x 9, two digits per point (x, y down), strokes separated by blanks.
 std::string_view strokesOf(char letter)
 {
     switch (letter) {

@@ -4,8 +4,8 @@
 
 namespace lumel::assets {
 
-inline constexpr float kLabelRadius = 50.0f;    // mm, the usual paper label of an LP is 100 mm across
-inline constexpr float kLabelMapWidth = 102.0f; // mm, with room for the rounded edge
+inline constexpr float kLabelRadius = 50.0f;    // mm, the paper label of an LP is 100 mm across
+inline constexpr float kLabelMapWidth = 102.0f; // mm, with space for the rounded edge
 
 Image makeLabel(int size);
 

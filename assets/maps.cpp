@@ -10,7 +10,7 @@
 namespace lumel::assets {
 namespace {
 
-// Calls shade(x, y) for every pixel, rows in parallel. Each pixel depends on nothing but its place, so
+// Calls shade(x, y) for every pixel, rows in parallel. Each pixel depends on its position alone, so
 // the result does not depend on the number of threads.
 template<class Shade>
 void fill(Image& image, const Shade& shade)

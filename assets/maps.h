@@ -19,7 +19,7 @@ HeightMap makeHeight(int size, const std::function<float(glm::vec2 texel)>& heig
 Image makeColour(int size, const std::function<glm::vec3(glm::vec2 texel)>& linearColour);
 
 // Sets the scale so that the slope's root mean square over the texels where `inside` holds is
-// `slopeRms`: how rough a surface looks is told by its slopes, so they are what a scene states.
+// `slopeRms`: how rough a surface looks depends on its slopes, so scenes state these.
 void setSlope(
     HeightMap& map, float slopeRms,
     const std::function<bool(glm::vec2 texel)>& inside = [](glm::vec2) { return true; });

@@ -1,5 +1,5 @@
-// Three balls that become rounded cubes and twisted gourds, one after the other: one mesh, its morph targets
-// weighed by each object's own animation.
+// Three balls that become rounded cubes and twisted gourds in turn: one mesh, its morph targets weighted by
+// each object's own animation.
 #include "gltf_writer.h"
 #include "noise.h"
 #include "scenes.h"

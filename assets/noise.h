@@ -30,7 +30,7 @@ inline int wrapped(int cell, int period) // period 0: no wrap
     return period > 0 ? ((cell % period) + period) % period : cell;
 }
 
-// Value noise in [-1, 1], one feature a unit. `period` wraps x (for angles); `seed` picks the field.
+// Value noise in [-1, 1], one feature per unit. `period` wraps x (for angles); `seed` picks the field.
 inline float noise2(glm::vec2 p, int seed, int period = 0)
 {
     const glm::vec2 cell = glm::floor(p);

@@ -100,7 +100,7 @@ const std::array<Piece, kPieceCount> kPieces{{
 
 namespace {
 
-// Catmull-Rom through the outline's points; past its ends the curve goes on straight.
+// Catmull-Rom through the outline's points; past its ends the curve continues straight.
 glm::vec2 onOutline(const Outline& outline, float along)
 {
     const int last = int(outline.size()) - 1, i = std::min(int(along), last - 1);

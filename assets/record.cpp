@@ -1,5 +1,5 @@
-// A record on a turntable. Vinyl is the hardest case of the method's argument: grooves far below a
-// pixel decide how the whole disc shines (the hourglass), and plain averaging loses it.
+// A record on a turntable. Vinyl is the hardest case for the method: grooves far smaller than a
+// pixel decide how the whole disc shines (the hourglass), and averaging normals loses that.
 #include "gltf_writer.h"
 #include "label.h"
 #include "noise.h"
@@ -16,7 +16,7 @@ constexpr float kTau = 2.0f * float(std::numbers::pi);
 constexpr float kMm = 0.001f; // metres
 
 // Lengths in mm. A real LP has grooves 0.1 mm apart; these are 1.05 mm apart, so that a map of 2048
-// texels (0.15 mm each) still has seven of them a groove and stays true from close by.
+// texels (0.15 mm each) still has seven per groove and holds up from close by.
 constexpr int kVinylMap = 2048;
 constexpr float kVinylMapWidth = 306.0f;
 constexpr float kVinylRadius = 150.0f;

@@ -1,4 +1,4 @@
-// One function a scene.
+// One function per scene.
 #pragma once
 #include <filesystem>
 

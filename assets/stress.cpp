@@ -18,15 +18,15 @@ constexpr int kObjects = 1000;
 constexpr int kLamps = 64;
 constexpr float kSeconds = 20.0f; // one round of the camera and the lanterns
 constexpr float kRadius = 72.0f;  // metres, of all pieces
-constexpr float kTile = 13.0f;    // metres a side of a piece of the ground
-// Shapes by metres from the camera's way: what fewer triangles leave out is about a pixel there, at 960x540.
+constexpr float kTile = 13.0f;    // metres, side of one tile of the ground
+// Levels of detail by metres from the camera's path: their error is about one pixel there, at 960x540.
 struct Lod {
     float farthest;
     int steps, segments; // of turnedPiece()
 };
 constexpr std::array<Lod, 5> kLods{
     {{2.0f, 3, 40}, {5.0f, 2, 24}, {10.0f, 1, 18}, {30.0f, 1, 14}, {1e9f, 1, 10}}};
-constexpr float kRoad = 0.8f; // metres free on both sides of the camera's way
+constexpr float kClearance = 0.8f; // metres free on both sides of the camera's path
 
 // A seed of a sunflower, nearer together in the middle: its place, and the distance to its neighbours.
 struct Seed {
@@ -42,7 +42,7 @@ Seed seedOf(int i, int count, float turn)
     return {{r * std::sin(angle), 0.0f, r * std::cos(angle)}, std::sqrt(area)};
 }
 
-// The camera's way and gaze: turns 0 to 1 are one round.
+// The camera's path and target: turns 0 to 1 are one round.
 glm::vec3 wayAt(float turn)
 {
     const float angle = 2.0f * kPi * turn;
@@ -167,7 +167,7 @@ void writeStress(const std::filesystem::path& folder)
         const Seed seed = seedOf(i, pieces, 0.0f);
         const float size = glm::mix(0.46f, 0.66f, random01(i, 41)) * seed.spacing;
         const float distance = distanceToWay(seed.place);
-        if (distance < kRoad + 0.5f * size)
+        if (distance < kClearance + 0.5f * size)
             continue;
         const size_t look = size_t(i) % kCrowdLooks; // a Fibonacci number: arms of one material
         const size_t shape = (look + size_t(i / 55)) % kPieceCount;

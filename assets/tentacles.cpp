@@ -47,7 +47,7 @@ Shape tentacle()
             shape.add(surfaceAt(u, s), s < 1.0f ? n : glm::vec3(0, 1, 0),
                       {std::cos(angle), 0.0f, std::sin(angle)},
                       {glm::mix(kEdge, 1.0f - kEdge, u), glm::mix(1.0f - kEdge, kEdge, s)});
-            // Two joints share a vertex: what is between them bends evenly.
+            // Two joints share a vertex: the part between them deforms smoothly.
             const float at = std::min(s * float(kJoints - 1), float(kJoints - 1) - 1e-3f);
             const auto joint = uint8_t(at);
             const float share = at - float(joint);

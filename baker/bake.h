@@ -16,7 +16,7 @@ inline constexpr const char* kVersion = "4"; // part of the cache key: raise whe
 enum class Method { fit, average, flat, height, toksvig, lean };
 enum class Model { blinnPhong, ashikhminShirley };
 enum class Wrap { repeat, clamp };
-// What a texel stands for: the box it covers, or all that bilinear lookups blend it into.
+// What a texel represents: the box it covers, or its bilinear footprint (tent.h).
 enum class Reconstruction { box, bilinear };
 
 // One texel of a baked level; the order of the file's channels.
@@ -55,7 +55,7 @@ struct Options {
     int reduce = 0;
     Reconstruction reconstruction = Reconstruction::box;
     // Closed forms state the mean Ks, which keeps the energy of a lobe of their shape. With this they get the
-    // Ks of least error instead, <G, f> / <f, f> (the fit always does): what they are judged by.
+    // Ks of least error instead, <G, f> / <f, f>, as the fit does: comparisons use that.
     bool bestKs = false;
 };
 
@@ -78,9 +78,9 @@ glm::ivec2 mapSize(const Maps& maps);
 // alpha along it is mix(alpha, 1, strength^2), across it alpha.
 glm::vec2 anisotropicRoughness(float perceptualRoughness, float strength);
 
-// Takes a chain's levels as they are done, the finest first, each from its first row to its last.
+// Receives a chain's levels as they are finished, the finest first, each from its first row to its last.
 struct LevelSink {
-    static constexpr int kBand = 64; // a call brings whole bands of so many rows, or a level's last ones
+    static constexpr int kBand = 64; // rows per call, fewer for the last of a level
     virtual ~LevelSink() = default;
     virtual void rows(int number, int width, int height, int firstRow, int count, const float* texels) = 0;
 };
@@ -93,21 +93,21 @@ size_t progressUnits(const Maps& maps);
 // The same without keeping the levels, which are the bulk of a large chain. Returns the metadata only.
 ReflectanceMips bake(const Maps& maps, const Options& options, LevelSink& sink, Progress* progress);
 
-// What the file says of such a bake.
+// The metadata of such a bake.
 ReflectanceMips metadata(const Maps& maps, const Options& options);
 // Hash of every input and option that changes the result: the file's lumel:source and the cache key.
 std::string sourceHash(const Maps& maps, const Options& options);
 
-// OpenEXR as the design describes it: tiled, MIPMAP_LEVELS, half (or float), channels by name
+// OpenEXR (baker/README.md): tiled, MIPMAP_LEVELS, half (or float), channels by name
 // (N.x N.y S.xx S.xy S.yy Ks.R Ks.G Ks.B Kd.R Kd.G Kd.B E), metadata lumel:*. Atomic.
 void writeExr(const std::filesystem::path& file, const ReflectanceMips& mips, bool asFloat = false);
-// Bakes into the file as it goes; the result holds no texels.
+// Writes levels as they are finished; the result holds no texels.
 ReflectanceMips bakeExr(const std::filesystem::path& file, const Maps& maps, const Options& options,
                         bool asFloat, Progress* progress);
 // Throws Error when the file is not such a chain, complete and finite.
 ReflectanceMips readExr(const std::filesystem::path& file);
 // lumel:source of a baked file that readExr() would accept by its header, else empty.
-// `isFloat`, when given, is told whether it stores single precision.
+// `isFloat`, when given, is set to whether it stores single precision.
 std::string bakedSource(const std::filesystem::path& file, bool* isFloat = nullptr);
 
 } // namespace lumel::baker

@@ -89,7 +89,7 @@ size_t Patch::appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, flo
                           int channels) const
 {
     const float least = kNegligible * peak;
-    if (channels == 1) { // most maps: one test a point
+    if (channels == 1) { // most maps: one test per point
         float *x = to.x.data(), *y = to.y.data(), *area = to.area.data(), *sum = sums[0].data();
         for (int j = block.y0; j < block.y1; ++j) {
             const float* row = g.data() + size_t(j) * size_t(width);

@@ -1,5 +1,5 @@
-// What is known of the lobes under a texel, or under a cell of the map: sums that filter up the chain, so
-// that level-0 lobes are read and evaluated once.
+// Sums over the lobes under a texel or under a cell of the map. They filter up the chain, so that level-0
+// lobes are read and evaluated once.
 #pragma once
 #include "moments.h"
 #include "quadrature.h"
@@ -35,7 +35,7 @@ struct Cell {
     Shape shape;         // that lobe
     Patch patch;
 
-    // Forgets all; keeps the memory.
+    // Clears all; keeps the memory.
     void clear();
     void add(const Lobes& lobes, size_t lobe, double area);
     void merge(const Cell& other, double factor, int channels);

@@ -9,8 +9,8 @@
 
 namespace lumel::baker {
 namespace {
-// Levels 1 and 2 average the few lobes under each texel at nodes of their own; from here on averages are
-// summed from finer ones.
+// Levels 1 and 2 average the few lobes under each texel at nodes of their own; coarser levels sum the
+// averages of finer ones.
 constexpr int kFirstCoarseLevel = 3;
 constexpr int kBlock = 32; // level-0 texels that are worked on at once, on each axis
 } // namespace
@@ -48,7 +48,7 @@ void Chain::run(LevelSink& sink)
                 size_t(levelSize(source_.width(), number)) * size_t(levelSize(source_.height(), number)));
     allocate(levels_, first);
     if (options_.method == Method::fit && options_.model == Model::blinnPhong)
-        allocate(shadows_, first);
+        allocate(anisotropic_, first);
     if (reduce == 0)
         writeBase(sink);
     std::unique_ptr<CoarseCells> cells;
@@ -76,7 +76,7 @@ void Chain::write(LevelSink& sink, int from, int to)
     for (int number = from; number < to; ++number) {
         const Level& level = levels_[size_t(number)];
         sink.rows(number - options_.reduce, level.width, level.height, 0, level.height, level.texels.data());
-        for (auto* levels : {&levels_, &shadows_})
+        for (auto* levels : {&levels_, &anisotropic_})
             if (number > 0 && !levels->empty())
                 (*levels)[size_t(number - 1)].texels = {};
     }
@@ -129,9 +129,9 @@ TexelTask Chain::makeTask(int number, int x, int y, const Cell& cell)
     Level& level = levels_[size_t(number)];
     const size_t offset = (size_t(y) * size_t(level.width) + size_t(x)) * kChannels;
     task.texel = level.texels.data() + offset;
-    const bool shadowed = !shadows_.empty();
-    if (shadowed)
-        task.shadow = shadows_[size_t(number)].texels.data() + offset;
+    const bool both = !anisotropic_.empty();
+    if (both)
+        task.anisotropicFit = anisotropic_[size_t(number)].texels.data() + offset;
     task.uniform = cell.uniform && options_.method == Method::fit;
     task.fixed = task.uniform || options_.method != Method::fit;
     task.heights = heights_.get();
@@ -147,7 +147,7 @@ TexelTask Chain::makeTask(int number, int x, int y, const Cell& cell)
     }
     // The finer level's lobes under this texel. An isotropic chain takes them from the anisotropic fits
     // beside it, which say more about G and make both models search from the same guesses.
-    const Level& finer = (shadowed ? shadows_ : levels_)[size_t(number - 1)];
+    const Level& finer = (both ? anisotropic_ : levels_)[size_t(number - 1)];
     if (finer.texels.empty())
         return task;
     const Footprint fx(x, level.width, finer.width), fy(y, level.height, finer.height);

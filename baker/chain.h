@@ -11,7 +11,7 @@ namespace lumel::baker {
 class Chain {
 public:
     Chain(const Maps& maps, const Options& options, Progress* progress);
-    // Hands the levels to `sink` as they are done, the finest first.
+    // Hands the levels to `sink` as they are finished, the finest first.
     void run(LevelSink& sink);
 
 private:
@@ -23,7 +23,7 @@ private:
     void fineLevel(int number);
     bool nests(class CoarseCells& cells) const;
     void nestedLevels(class CoarseCells& cells);
-    // Reports so many more texels of a level; each level counts as much as level 0 has texels.
+    // Reports progress by texels of a level; each level counts as many units as level 0 has texels.
     void advance(int number, size_t texels);
     struct TexelTask makeTask(int number, int x, int y, const struct Cell& cell);
 
@@ -33,7 +33,7 @@ private:
     Source source_;
     std::unique_ptr<HeightMips> heights_;
     std::vector<Level> levels_;
-    std::vector<Level> shadows_;            // anisotropic fits beside an isotropic chain
+    std::vector<Level> anisotropic_;        // anisotropic fits beside an isotropic chain
     std::vector<std::atomic<size_t>> done_; // texels of each level, for progress
 
     friend class FineTile;

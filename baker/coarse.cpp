@@ -75,7 +75,7 @@ void CoarseCells::survey()
         double energy = 0.0, energyNarrow = 0.0, ks = 0.0;
     };
     const Source& source = chain_.source_;
-    std::vector<Part> parts(size_t(source.height())); // one a row: the same sums on any number of threads
+    std::vector<Part> parts(size_t(source.height())); // one per row: the same sums on any number of threads
     tbb::parallel_for(tbb::blocked_range<int>(0, source.height()), [&](const auto& rows) {
         Lobes lobes;
         lobes.resize(size_t(source.width()));

@@ -1,4 +1,4 @@
-// The coarse levels: texels put together from cells, rectangles between the borders of all their texels.
+// The coarse levels: texels assembled from cells, rectangles between the borders of all their texels.
 #pragma once
 #include "averager.h"
 #include "chain.h"

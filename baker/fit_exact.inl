@@ -118,7 +118,7 @@ struct ExactObjective {
         norm = o.ff;
         gradientOf(lobe, slopesOf(lobe, sum, o), explained, gradient);
         scaling.scale(gradient);
-        // N beyond the disc: a step too far, whatever its sum says.
+        // N beyond the disc: the step was too long, regardless of its sum.
         return lobe.outside ? splat(4.0f) : 1.0f - explained;
     }
 };

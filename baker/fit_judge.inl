@@ -1,4 +1,4 @@
-// The error of lobes as they are: <G, f> over the nodes of one lobe a vector at a time, <f, f> for as many
+// The error of lobes as they are: <G, f> over the nodes of one lobe, a vector at a time, <f, f> for as many
 // lobes as there are lanes.
 
 LUMEL_INLINE float overlapWith(const Trial& t)

@@ -37,7 +37,7 @@ LUMEL_INLINE Point locate(const Frame& f, V hx, V hy, V hz)
     return p;
 }
 
-// A lobe during the fit: what its unknowns stand for.
+// A lobe during the fit, from its unknowns.
 struct Lobe {
     Frame frame;
     V e1, e2, l3, pxx, pxy, pyy, det, detPlus; // detPlus = det(P + I)
@@ -61,7 +61,7 @@ LUMEL_INLINE Lobe makeLobe(V maxLog, V nx, V ny, V l1, V l2, V l3)
         lobe.atTop[i] = l >= top;
         lobe.atBottom[i] = l <= (i == 2 ? -top : splat(kLowestLog));
     }
-    // |shear| <= e^maxLog too: otherwise a long lobe at an angle could get narrower than any it stands for.
+    // |shear| <= e^maxLog too: otherwise a long lobe at an angle could get narrower than any lobe under the texel.
     const V largest = exponential(maxLog) / lobe.e2;
     lobe.l3 = minimum(maximum(l3, -largest), largest);
     const V shear = lobe.l3 * lobe.e2;

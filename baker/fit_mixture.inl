@@ -1,4 +1,4 @@
-// A cheap stand-in for the error, to choose among minima: G as a handful of Gaussians, whose overlap
+// A cheap approximation of the error, to choose among minima: G as a handful of Gaussians, whose overlap
 // with a Gaussian lobe has a closed form. Seen from the lobe's frame, component i lies at e_i with
 // covariance S_i, and
 //     <F_i, f> = 2 pi A_i exp(-e_i^T T^-1 e_i / 2) / sqrt(det T),   T = S_i + S,

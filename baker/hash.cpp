@@ -50,7 +50,7 @@ std::string sourceHash(const Maps& maps, const Options& options)
     addFields(hash, height, heightScale, normal, normalGreenUp, signedNormals, normalScale, wrap, power,
               powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
               specularConstant, diffuse, diffuseConstant);
-    static_cast<void>(threads); // changes nothing in the result
+    static_cast<void>(threads); // does not change the result
     const bool bestKs = mayProject && method != Method::fit;
     addFields(hash, method, model, reduce, reconstruction, bestKs);
     return hash.hex();

@@ -21,9 +21,9 @@ void blend(const Level& level, Wrap wrap, double u, double v, float* out)
                  b * ((1 - a) * level.at(i0, j1)[c] + a * level.at(i1, j1)[c]);
 }
 
-class Truth {
+class GroundTruth {
 public:
-    explicit Truth(const Maps& maps) : maps_(maps), source_(maps), averager_(source_) {}
+    explicit GroundTruth(const Maps& maps) : maps_(maps), source_(maps), averager_(source_) {}
 
     // Averages the box of level-0 texels; false where there is no reflectance.
     bool gather(const Footprint& fx, const Footprint& fy)
@@ -86,22 +86,22 @@ private:
 
 double lookupError(const Maps& maps, const ReflectanceMips& mips, size_t level, int samples)
 {
-    Truth truth(maps);
+    GroundTruth groundTruth(maps);
     const Level& l = mips.levels[level];
-    const double scaleX = double(truth.source().width()) / l.width;
-    const double scaleY = double(truth.source().height()) / l.height;
+    const double scaleX = double(groundTruth.source().width()) / l.width;
+    const double scaleY = double(groundTruth.source().height()) / l.height;
     std::mt19937 random(1);
     const auto place = [&](int size) { return double(random()) / 4294967296.0 * size; };
     double sum = 0.0;
     int counted = 0;
     for (int i = 0; i < samples; ++i) {
         const double u = place(l.width), v = place(l.height);
-        if (!truth.gather(Footprint((u - 0.5) * scaleX, (u + 0.5) * scaleX),
-                          Footprint((v - 0.5) * scaleY, (v + 0.5) * scaleY)))
+        if (!groundTruth.gather(Footprint((u - 0.5) * scaleX, (u + 0.5) * scaleX),
+                                Footprint((v - 0.5) * scaleY, (v + 0.5) * scaleY)))
             continue;
         float texel[kChannels];
         blend(l, maps.wrap, u, v, texel);
-        sum += truth.error(texel);
+        sum += groundTruth.error(texel);
         ++counted;
     }
     return counted > 0 ? sum / counted : 0.0;

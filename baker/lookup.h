@@ -4,8 +4,8 @@
 
 namespace lumel::baker {
 
-// Mean over `samples` places (fixed sequence) of the error, relative to the energy of the truth, of the
-// lobe that a bilinear lookup in mips.levels[level] gives; the truth there is the average over the box of
+// Mean over `samples` places (fixed sequence) of the error, relative to the energy of the ground truth, of
+// the lobe that a bilinear lookup in mips.levels[level] gives. Ground truth is the average over the box of
 // one texel's size around the place.
 double lookupError(const Maps& maps, const ReflectanceMips& mips, size_t level, int samples);
 

@@ -182,7 +182,7 @@ ManifestResult bakeManifest(const fs::path& manifest, const Options& defaults, b
 {
     const Json json = parse(manifest);
     ManifestResult result;
-    constexpr size_t kUnits = 1000; // of the bar an entry: sizes are known only once maps are read
+    constexpr size_t kUnits = 1000; // of the progress bar per entry: sizes are known only once maps are read
     Progress progress("bake " + manifest.filename().string(), json.size() * kUnits);
     const auto tell = [&](const std::string& line) {
         if (print)

@@ -1,4 +1,4 @@
-// Many bakes from one list.
+// Batch baking from a JSON list.
 #pragma once
 #include "bake.h"
 #include <filesystem>

@@ -81,7 +81,7 @@ const NodeSet& discRule(double power)
 
 const Stencil& stencilFor(float radius)
 {
-    constexpr float kOff = 0.5f;        // of a lobe's centre from the lattice point, typically 0.38
+    constexpr float kOff = 0.5f;        // spacings from a lobe's centre to the lattice point, typically 0.38
     constexpr float kStepsPerPoint = 2; // radii differ by half a spacing
     constexpr int kCount = 64;
     static const std::array<Stencil, kCount> stencils = [] {

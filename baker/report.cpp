@@ -119,7 +119,8 @@ void writeReport(const std::filesystem::path& file, const Report& report)
 {
     const std::string extension = file.extension().string();
     if (extension != ".json" && extension != ".html")
-        throw Error(fmt::format("{}: a report is .json or .html; end its name so", file.string()));
+        throw Error(
+            fmt::format("{}: a report is .json or .html; give it one of these extensions", file.string()));
     writeFileAtomically(file, extension == ".json" ? reportJson(report) : reportHtml(report));
 }
 

@@ -1,4 +1,4 @@
-// What a bake was worth: errors of the fit and of every closed form, as numbers and as pictures.
+// How good a bake is: errors of the fit and of every closed form, as numbers and as pictures.
 #pragma once
 #include "report_measure.h"
 #include <filesystem>
@@ -34,7 +34,7 @@ struct Report {
 Report makeReport(const Maps& maps, const Options& options, const ReflectanceMips& mips, double seconds,
                   Progress* progress = nullptr);
 
-// The fields are listed in README.md.
+// The fields are listed in baker/README.md.
 std::string reportJson(const Report& report);
 
 // Self-contained page: the numbers, and for best, median and worst texel of each level the exact average,

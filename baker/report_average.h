@@ -7,7 +7,7 @@
 namespace lumel::baker {
 
 // Sums functions of level-0 lobes. Levels of few texels share sums over cells, the rectangles between the
-// borders of all their texels, so that the map is not summed anew for each of them.
+// borders of all their texels, so that the map is summed once for all of them.
 class Averages {
 public:
     // Adds `weight` times the function of a lobe at all points to `sums`.

@@ -46,7 +46,7 @@ double diffuseError(const LightGrid& lights, const std::vector<float>& average, 
         error += double(difference[k]) * difference[k];
         energy += double(average[k]) * average[k];
     }
-    return energy > 0.0 ? error / energy : 0.0; // black: nothing to get wrong
+    return energy > 0.0 ? error / energy : 0.0; // black: no error
 }
 
 } // namespace lumel::baker

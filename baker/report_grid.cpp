@@ -10,8 +10,8 @@ namespace {
 constexpr int kLeastSide = 96; // the rim needs some, however broad the lobes
 constexpr int kMostSide = 512; // 1 MiB a picture of the disc
 constexpr double kReach = 5.5; // deviations to where a lobe is 3e-7 of its peak
-constexpr int kBinsAnOctave = 16;
-constexpr int kBins = 12 * kBinsAnOctave; // deviations from 2^-12 to 1
+constexpr int kBinsPerOctave = 16;
+constexpr int kBins = 12 * kBinsPerOctave; // deviations from 2^-12 to 1
 
 struct Deviations {
     double least, most;
@@ -33,7 +33,7 @@ struct Widths {
     void add(double deviation)
     {
         least = std::min(least, deviation);
-        const int bin = int(std::floor((12.0 + std::log2(deviation)) * kBinsAnOctave));
+        const int bin = int(std::floor((12.0 + std::log2(deviation)) * kBinsPerOctave));
         ++bins[size_t(std::clamp(bin, 0, kBins - 1))];
         ++total;
     }
@@ -94,13 +94,13 @@ Narrowness narrowness(const Source& source)
     int bin = 0;
     while (bin < kBins && (narrower += all.bins[size_t(bin)]) * 100 <= all.total)
         ++bin;
-    narrow.usual = std::max(all.least, std::exp2(double(bin) / kBinsAnOctave - 12.0));
+    narrow.firstPercentile = std::max(all.least, std::exp2(double(bin) / kBinsPerOctave - 12.0));
     return narrow;
 }
 
 int gridSide(const Narrowness& narrow)
 {
-    const double spacing = std::min(0.6 * narrow.usual, 1.6 * narrow.least);
+    const double spacing = std::min(0.6 * narrow.firstPercentile, 1.6 * narrow.least);
     return int(std::clamp(std::ceil(2.0 / spacing), double(kLeastSide), double(kMostSide)));
 }
 

@@ -6,16 +6,16 @@
 
 namespace lumel::baker {
 
-// How narrow the level-0 lobes are on the disc: standard deviation along a lobe's narrow axis.
+// How narrow the level-0 lobes are on the disc: standard deviations along their narrow axes.
 struct Narrowness {
-    double least = 1.0; // of all lobes
-    double usual = 1.0; // only a hundredth of the lobes is narrower
+    double least = 1.0;           // of all lobes
+    double firstPercentile = 1.0; // 1 % of the lobes are narrower
 };
 Narrowness narrowness(const Source& source);
 
 class DiscGrid {
 public:
-    // At least `side` points a side; rounded up to whole vectors of the kernels.
+    // At least `side` points per side; rounded up to whole vectors of the kernels.
     explicit DiscGrid(int side);
 
     int side() const { return side_; }
@@ -36,7 +36,7 @@ private:
     std::vector<float> x_, y_, z_, area_; // half vectors and the area of the disc in each cell
 };
 
-// Points a side that resolve lobes of this width: no more than 0.6 deviations apart for all but the
+// Points per side that resolve lobes of this width: no more than 0.6 deviations apart for all but the
 // narrowest hundredth, 1.6 for those. The sum over points of a Gaussian's square, spaced h deviations, is
 // its integral to a relative exp(-(pi / h)^2): 1e-12 and 0.02.
 int gridSide(const Narrowness& narrow);

@@ -203,7 +203,7 @@ std::string explanation(const Measurement& report)
         "E is the integral of (G − F)² over the disc of half vectors divided by that of G²: G the exact "
         "average of the level-0 lobes under a texel, F the lobe that a method stores for it; closed forms "
         "are "
-        "given the Ks that serves them best, by projection of G on their lobe. It is measured by brute "
+        "given the Ks of least error, by projection of G on their lobe. It is measured by brute "
         "force: all lobes under a texel are summed on a grid of {} × {} points over the disc, {:.2f} "
         "standard deviations of the narrowest lobes apart; on every texel of levels with at most {}, else on "
         "{} at fixed pseudo-random places.",

@@ -82,7 +82,7 @@ void tracePath(Tracer& tracer, const std::vector<PathStart>& starts, double fitE
     }
 }
 
-// Axes that hold the whole path and the fit, with room around.
+// Axes that hold the whole path and the fit, with a margin.
 void chooseAxes(const StoredLobe& fit, Landscape& land)
 {
     double least = scalarPower(fit.shape), most = least, ks = fit.ks;

@@ -1,4 +1,4 @@
-// The talk's picture of the fit: the error over (power, Ks) and the minimiser's way through it.
+// The talk's picture of the fit: the error over (power, Ks) and the minimiser's path through it.
 #pragma once
 #include "report_grid.h"
 #include "report_measure.h"

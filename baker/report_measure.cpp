@@ -84,7 +84,7 @@ public:
         result_.grid = grid;
         grid_ = grid.get();
         result_.gridSide = grid->side();
-        result_.narrowestDeviation = narrow.usual;
+        result_.narrowestDeviation = narrow.firstPercentile;
         result_.width = source_.width();
         result_.height = source_.height();
         result_.meanKs = options_.method != Method::fit && !options_.bestKs;
@@ -142,7 +142,7 @@ private:
         const double energy = grid_->integral(g.data(), g.data());
         for (StoredLobe& lobe : texel.lobes) {
             if (energy <= 0.0)
-                continue; // black: nothing to get wrong
+                continue; // black: no error
             f = g;
             grid_->add(lobe.shape, -float(lobe.ks), f.data());
             lobe.error = grid_->integral(f.data(), f.data()) / energy;

@@ -1,5 +1,6 @@
-// Errors measured anew: how far the fit and every closed form are from the exact average reflectance,
-// level by level, by brute force on a sample of texels, without the nodes that the fits were made with.
+// Errors measured independently: how far the fit and every closed form are from the exact average
+// reflectance, level by level, by brute force on a sample of texels, without the nodes that the fits were
+// made with.
 #pragma once
 #include "bake.h"
 #include "moments.h"
@@ -10,7 +11,7 @@ namespace lumel::baker {
 
 class DiscGrid;
 
-inline constexpr int kReportTexels = 256; // most texels measured on a level
+inline constexpr int kReportTexels = 256; // most texels measured per level
 
 // A lobe as some method stored it; Ks is the luminance.
 struct StoredLobe {
@@ -23,7 +24,7 @@ struct StoredLobe {
 
 struct MeasuredTexel {
     int x = 0, y = 0;
-    std::vector<StoredLobe> lobes; // one a method
+    std::vector<StoredLobe> lobes; // one per method
 };
 
 struct ErrorFigures {
@@ -31,7 +32,7 @@ struct ErrorFigures {
 };
 
 // The error as a function of (power, Ks) with the fit's normal and proportions held, and the minimiser's
-// way to the fit seen on it.
+// path to the fit on it.
 struct Landscape {
     struct Step {
         double power, ks, error;
@@ -44,7 +45,7 @@ struct Landscape {
     std::string start;                     // what the path starts from
 };
 
-// A texel to look at.
+// A texel that the report shows.
 struct Exhibit {
     std::string rank; // "best", "median", "worst"
     MeasuredTexel texel;
@@ -57,7 +58,7 @@ struct MeasuredLevel {
     int above = 0;  // the input: number + reduce
     int width = 0, height = 0;
     std::vector<int> sample;           // texels measured: y * width + x
-    std::vector<ErrorFigures> figures; // one a method
+    std::vector<ErrorFigures> figures; // one per method
     std::vector<ErrorFigures> diffuse; // of the diffuse term
     std::vector<Exhibit> exhibits;     // best, median, worst; fewer on the smallest levels
 };
@@ -68,15 +69,14 @@ struct Measurement {
     bool box = true;                  // fitted for the averages over texels that are measured here
     std::vector<std::string> methods; // [0] is what was baked; then the closed forms, with their best Ks
     bool meanKs = false;              // what was baked is a closed form that states its mean Ks
-    int gridSide = 0;                 // points a side of the grid that E is summed on
+    int gridSide = 0;                 // points per side of the grid that E is summed on
     double narrowestDeviation = 0.0;  // of the level-0 lobes on the disc, all but a hundredth
     std::vector<MeasuredLevel> levels;
     std::shared_ptr<const DiscGrid> grid;
 };
 
 // Measures `baked`, the result of bake(maps, options), and every closed form that these maps allow, given the
-// Ks that serves it best; each
-// closed form's chain is shown to `seen` once. `progress` counts measureUnits(maps).
+// Ks of least error; each closed form's chain is shown to `seen` once. `progress` counts measureUnits(maps).
 using SeeChain = std::function<void(const ReflectanceMips&)>;
 Measurement measure(const Maps& maps, const Options& options, const ReflectanceMips& baked,
                     const SeeChain& seen = {}, Progress* progress = nullptr);

@@ -1,21 +1,22 @@
-// Which first guesses the minimiser starts from. The error has several minima as soon as the lobes
+// Where the minimiser starts. The error has several minima as soon as the lobes
 // under a texel stand apart (a V-groove has one on each flank and a broad one between), so one start is
-// not enough. Every guess is searched from on a cheap stand-in for the error (fit_mixture.inl); the two
-// best minima found are then searched from exactly, and the best result kept.
+// not enough. Every guess is first refined on a cheap approximation of the error (fit_mixture.inl); the
+// two best minima found are then refined on the exact error, and the better result is kept.
 #include "solver.h"
 
 namespace lumel::baker {
 namespace {
 
-// Below this error the average is one bump and has one minimum: all starts end there.
-constexpr float kSettledError = 0.03f;
-// The accuracy of the quadrature: below this error no lobe is better than another.
-constexpr float kVisibleError = 2e-4f;
-// Where lobes are this broad (variance) or this tilted (|N.xy|^2), their Gaussian stand-ins mislead. Then a
-// closed form or an isotropic lobe may win at smaller errors too.
-constexpr float kBroad = 0.05f, kSteep = 0.6f;
-constexpr float kBroadError = 1e-4f, kSteepError = 0.01f;
-// A closed form this narrow, relative to the mean lobe, says that the lobes lie within each other.
+// Thresholds for retrying a search, as relative squared error E = <G - F, G - F> / <G, G>. Below kRetryError
+// the average is one bump with a single minimum: all starts end there.
+constexpr float kRetryError = 0.03f;
+// The accuracy of the quadrature: below this E lobes cannot be ranked, and closed forms are not tried.
+constexpr float kQuadratureError = 2e-4f;
+// Where lobes are this broad (variance on the disc) or this tilted (|N.xy|^2), their Gaussian approximations
+// are poor. Then a closed form or an isotropic lobe may win at a smaller E too: retry above these.
+constexpr float kBroadVariance = 0.05f, kSteepTilt = 0.6f;
+constexpr float kBroadRetryError = 1e-4f, kSteepRetryError = 0.01f;
+// A closed form at least this narrow, relative to the mean lobe, means that the lobes overlap.
 constexpr float kCompact = 0.7f;
 
 // The talk's guess: under half of the finer power, never near 1.
@@ -27,7 +28,7 @@ Shape halfPower(const TexelTask& task)
     return shape;
 }
 
-// Do two lobes stand for different minima? Their normals lie half a lobe's width apart or their powers
+// Do two lobes belong to different minima? Their normals lie half a lobe's width apart or their powers
 // differ by half.
 bool distinct(const Shape& a, const Shape& b)
 {
@@ -44,7 +45,7 @@ bool widthsAreFarApart(const Shape& a, const Shape& b, float error)
 {
     constexpr float kMarginOfGaussians = 1.5f;
     const float xx = a.sxx + b.sxx, xy = a.sxy + b.sxy, yy = a.syy + b.syy;
-    if (xx + yy > 4.0f * kBroad || b.nx * b.nx + b.ny * b.ny > kSteep)
+    if (xx + yy > 4.0f * kBroadVariance || b.nx * b.nx + b.ny * b.ny > kSteepTilt)
         return false;
     const float detA = a.sxx * a.syy - a.sxy * a.sxy, detB = b.sxx * b.syy - b.sxy * b.sxy;
     const float least = 1.0f - 2.0f * kMarginOfGaussians * error; // cosine of a lobe that may win
@@ -65,15 +66,15 @@ Solver::Selection Solver::above(const Selection& selection, Family family, float
     return rest;
 }
 
-// Those above the error, and at a smaller one those whose stand-ins mislead.
+// Those above the error, and at a smaller one those whose Gaussian approximations are poor.
 Solver::Selection Solver::doubtful(const Selection& selection, Family family, float error) const
 {
     Selection rest;
-    for (const uint32_t t : above(selection, family, kBroadError)) {
+    for (const uint32_t t : above(selection, family, kBroadRetryError)) {
         const Shape& lean = texels_[t].lean;
         const float found = texels_[t].best[family].error;
-        const bool broad = std::max(lean.sxx, lean.syy) > kBroad;
-        const bool steep = lean.nx * lean.nx + lean.ny * lean.ny > kSteep && found > kSteepError;
+        const bool broad = std::max(lean.sxx, lean.syy) > kBroadVariance;
+        const bool steep = lean.nx * lean.nx + lean.ny * lean.ny > kSteepTilt && found > kSteepRetryError;
         if (found > error || broad || steep)
             rest.push_back(t);
     }
@@ -133,7 +134,7 @@ void Solver::searchExactly(const Selection& selection, Family family)
                 starts_.push_back({t, texels_[t].start[rank].shape});
         run(starts_, family, Against::nodes, found_);
         keep(starts_, found_, family);
-        rest = above(rest, family, kSettledError);
+        rest = above(rest, family, kRetryError);
     }
 }
 
@@ -160,7 +161,7 @@ void Solver::addClosedForms(uint32_t t, Family family)
     }
 }
 
-// No closed form may beat the fit: where one does, search on from it.
+// No closed form may beat the fit: where one does, continue the search from it.
 void Solver::searchClosedForms(const Selection& selection, Family family)
 {
     starts_.clear();
@@ -180,19 +181,19 @@ void Solver::fitIsotropic(const Selection& selection)
 {
     chooseStarts(selection, kIsotropic);
     searchExactly(selection, kIsotropic);
-    searchClosedForms(above(selection, kIsotropic, kVisibleError), kIsotropic);
+    searchClosedForms(above(selection, kIsotropic, kQuadratureError), kIsotropic);
 }
 
 void Solver::fitAnisotropic(const Selection& selection)
 {
     chooseStarts(selection, kAnisotropic);
     searchExactly(selection, kAnisotropic);
-    searchClosedForms(above(selection, kAnisotropic, kVisibleError), kAnisotropic);
-    // From the isotropic fit too, so that the result cannot be worse than it.
-    const Selection hopeless = doubtful(selection, kAnisotropic, kSettledError);
-    fitIsotropic(hopeless);
+    searchClosedForms(above(selection, kAnisotropic, kQuadratureError), kAnisotropic);
+    // Retry from the isotropic fit, so that the result is never worse than it.
+    const Selection retried = doubtful(selection, kAnisotropic, kRetryError);
+    fitIsotropic(retried);
     starts_.clear();
-    for (const uint32_t t : hopeless) {
+    for (const uint32_t t : retried) {
         Found* best = texels_[t].best;
         if (best[kIsotropic].error < best[kAnisotropic].error) {
             best[kAnisotropic] = best[kIsotropic];

@@ -21,8 +21,8 @@ void Solver::add(const TexelTask& task, const Cell& cell)
     cell.patch.appendTo(nodes_, channelWeight_, float(1.0 / cell.sum.weight), channels());
     texel.nodeCount = nodes_.size() - texel.firstNode;
     texel.energy = std::max(float(weighNodes(texel.firstNode)), 1e-30f);
-    // No fit needs to be narrower than the narrowest lobe it stands for; a little room for the
-    // minimiser to cross on its way.
+    // No fit needs to be narrower than the narrowest lobe under the texel; the margin lets the minimiser
+    // overshoot.
     const double narrowest = 1.1 * std::max(1.0, task.mean.maxPower);
     texel.maxLog = float(0.5 * std::log(narrowest - double(kBase)));
     if (!task.fixed)
@@ -102,7 +102,7 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
         settings.maxEvaluations = 30;
         kernels_.minimiseMixtures(order_.data(), int(count), settings, scratch_.data());
     } else {
-        // Like sizes together: the lanes of a group walk their nodes in step.
+        // Similar sizes together: the lanes of a group process their nodes in lockstep.
         std::stable_sort(order_.begin(), order_.end(),
                          [](const FitJob* a, const FitJob* b) { return a->nodes.count > b->nodes.count; });
         kernels_.minimise(order_.data(), int(count), settings, scratch_.data());
@@ -172,8 +172,8 @@ void Solver::solve()
     for (const Texel& texel : texels_) {
         const bool ownKs = texel.task.uniform || (texel.task.fixed && !options_.bestKs);
         write(texel, texel.best[isotropic ? kIsotropic : kAnisotropic], texel.task.texel, ownKs);
-        if (texel.task.shadow)
-            write(texel, texel.best[kAnisotropic], texel.task.shadow, ownKs);
+        if (texel.task.anisotropicFit)
+            write(texel, texel.best[kAnisotropic], texel.task.anisotropicFit, ownKs);
     }
     texels_.clear();
     terms_.clear();
@@ -204,7 +204,7 @@ void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, boo
 {
     const TexelTask& task = texel.task;
     const double meanKs = luminance(task.mean.ks);
-    if (meanKs <= 0.0) { // black: nothing to see, nothing to get wrong
+    if (meanKs <= 0.0) { // black: no error
         t[kKsR] = t[kKsG] = t[kKsB] = t[kError] = 0.0f;
         return;
     }

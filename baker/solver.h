@@ -7,7 +7,7 @@
 
 namespace lumel::baker {
 
-// What the solver is told of one texel.
+// The input for one texel.
 struct TexelTask {
     Moments mean;       // mean moments of its lobes
     bool fixed = false; // nothing to fit: the method is a closed form, or the texel is uniform
@@ -25,8 +25,9 @@ struct TexelTask {
     int childCount = 0;
     // The LEAN lobe of a part of the texel as a child.
     void addChild(const Moments& mean, double share);
-    float* texel = nullptr;  // kChannels floats to fill
-    float* shadow = nullptr; // the anisotropic fit beside an isotropic one, for the next level's children
+    float* texel = nullptr; // kChannels floats to fill
+    // In an isotropic chain, the anisotropic fit of the texel: a starting point for the next level.
+    float* anisotropicFit = nullptr;
 };
 
 class Solver {
@@ -70,7 +71,7 @@ private:
     };
     enum class Against { mixture, nodes };
     void run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found);
-    // The lobes as they are.
+    // The lobes without a search.
     void judge(const std::vector<Start>& starts, std::vector<Found>& found);
     void keep(const std::vector<Start>& starts, const std::vector<Found>& found, Family family);
     void chooseStarts(const Selection& selection, Family family);

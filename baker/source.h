@@ -5,7 +5,7 @@
 
 namespace lumel::baker {
 
-// A run of lobes as arrays, one entry a texel. The covariance S = P^-1 is in the frame of the normal.
+// A run of lobes as arrays, one entry per texel. The covariance S = P^-1 is in the frame of the normal.
 struct Lobes {
     std::vector<float> nx, ny, nz;    // unit normal
     std::vector<float> sxx, sxy, syy; // roughness covariance

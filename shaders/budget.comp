@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Plan, between its steps, one invocation. With the marks counted: the dispatch over them. With the priorities
-// counted: the threshold that fits the frame's budget, and the share of tiles at that very priority.
+// counted: the threshold that fits the frame's budget, and the share of tiles lit at that priority.
 #include "lib/interface.glsl"
 
 layout(local_size_x = 1) in;
@@ -24,10 +24,10 @@ void main()
     push.plan.at.share = 1.0;
     for (uint priority = kPriorityAlways; priority-- > 0u;) {
         uint count = push.plan.at.histogram[priority];
-        uint room = priority < kPriorityChanged ? min(budget, refreshable) : budget;
-        if (count > room) {
+        uint affordable = priority < kPriorityChanged ? min(budget, refreshable) : budget;
+        if (count > affordable) {
             push.plan.at.threshold = priority;
-            push.plan.at.share = float(room) / float(count);
+            push.plan.at.share = float(affordable) / float(count);
             break;
         }
         budget -= count;

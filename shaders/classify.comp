@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Plan, second step: what is to be done about each marked tile? Derive it from its four children when all are
+// Plan, second step: what happens to each marked tile? Derive it from its four children when all are
 // marked; keep it when lighting it again would change too little; else light it, with a priority.
 #include "lib/rows.glsl"
 #include "lib/tiles.glsl"
@@ -9,10 +9,10 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { PlanPush push; };
 
-// Display change per radian that is expected of any tile: even a dull one is looked after now and then.
+// Display change per radian that is expected of any tile: even a matte one is relit occasionally.
 const float kLeastRate = 0.02;
-// Radians that the eye has turned around a tile after which its light counts as another view's: after a cut,
-// nothing of the view before may be seen.
+// Radians that the eye may turn around a tile before its light counts as another view's: after a camera cut,
+// nothing of the previous view may be seen.
 const float kCutAngle = 0.2;
 
 // Can the tile be derived: are its four children all marked? `litToo`: and do they all hold light already?
@@ -42,7 +42,7 @@ bool lightChanged(TileState tile)
     return false;
 }
 
-// Largest rate among the tile and its neighbours: a highlight enters a dull tile from beside it.
+// Largest rate among the tile and its neighbours: a highlight enters a matte tile from its neighbour.
 float rateAround(ObjectAt object, uint mip, uvec2 tile)
 {
     ivec2 last = ivec2(tileCount(mipSize(object, mip))) - 1;

@@ -25,7 +25,7 @@ void count(uvec4 seenBy)
     atomicAdd(push.objects.at[index].samples, 1u);
     if ((object.at.flags & kObjectLightable) == 0u)
         return;
-    // The pixel's ellipse in lumels; nothing is lit more finely than level 0.
+    // The pixel's elliptical footprint in lumels; level 0 is the finest.
     float area = abs(dx.x * dy.y - dx.y * dy.x) * size.x * size.y;
     float minor = exp2(footprintOf(dx, dy, size, 1e4).level);
     float major = area / minor;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Feedback pass: what an alpha mask cuts out hides nothing. Opacity is read as forward.frag reads it: at the pixel's
-// own footprint, whatever the sample stands for.
+// own footprint, whatever the sample's block of pixels.
 #include "lib/footprint.glsl"
 #include "lib/sample.glsl"
 #include "lib/surface.glsl"
@@ -14,7 +14,7 @@ layout(location = 0) out uvec4 seen;
 
 // A sample for a block of pixels looks at some of its neighbours too (in pixels, a rotated grid) and sees through
 // if any of them does: finely cut leaves would else hide what their holes show until the cycle of offsets meets
-// one. Surface behind that is marked in vain is lit in vain; surface that is missed is drawn too coarse.
+// one. Marking hidden surface behind costs lighting it; missing visible surface draws it too coarse.
 const vec2 kNeighbours[4] = vec2[](vec2(-1.0, -2.0), vec2(2.0, -1.0), vec2(1.0, 2.0), vec2(-2.0, 1.0));
 
 void main()

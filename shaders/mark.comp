@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Plan, first step: every sample of the feedback pass marks the tiles that drawing its block of pixels will read,
-// at the two MIPs that it blends and, as something to fall back on, three MIPs coarser. Every object's tail
+// at the two MIPs that it blends and, as a fallback, three MIPs coarser. Every object's tail
 // MIPs are marked too. A tile enters the list the first time it is marked in a frame.
 #include "lib/footprint.glsl"
 #include "lib/rows.glsl"
@@ -26,7 +26,7 @@ void mark(ObjectAt object, uint objectIndex, uint mip, uvec2 tile, uint frame)
         return;
     uint slot = atomicAdd(push.plan.at.marked, 1u);
     if (slot >= push.markCapacity) {
-        atomicExchange(object.at.tiles.at[index].marked, before); // no coarser tile may count on its light
+        atomicExchange(object.at.tiles.at[index].marked, before); // coarser tiles may not rely on its light
         atomicAdd(push.plan.at.dropped, 1u);
         return;
     }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Meter: a histogram of the luminances of what is in the picture. A group counts a strip 64 pixels wide.
+// Meter: a histogram of the luminances in the picture. A group counts a strip 64 pixels wide.
 #include "lib/interface.glsl"
 #include "shared/meter.h"
 

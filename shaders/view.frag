@@ -69,7 +69,7 @@ void main()
     vec3 shown = vec3(0.0);
     if (push.kind == kViewMode) // green: texture space, red: forward
         shown = inTextureSpace ? vec3(0.1, 0.5, 0.15) : vec3(0.6, 0.15, 0.1);
-    else if (push.kind == kViewDensity) // lumels a pixel across, 1/4 to 4; green is 1
+    else if (push.kind == kViewDensity) // lumels per pixel along an axis, 1/4 to 4; green is 1
         shown = heat(0.5 + 0.25 * (lit.level - max(lit.level + view.levelOffset, 0.0)));
     else if (push.kind == kViewCharts)
         shown = inTextureSpace ? chartView(object) : vec3(0.2);

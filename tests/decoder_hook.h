@@ -1,5 +1,4 @@
-// What the test programs' decoders do before they decode: files that begin with these words make them
-// misbehave.
+// Hooks in the test programs' decoders: files that begin with these words make them misbehave.
 #pragma once
 #include "core/error.h"
 #include <atomic>

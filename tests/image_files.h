@@ -1,4 +1,4 @@
-// Image files of every format that is read, and of some that are refused, made on the spot.
+// Image files of every format that is read, and of some that are refused, generated.
 #pragma once
 #include <OpenImageIO/imageio.h>
 #include <array>

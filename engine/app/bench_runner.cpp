@@ -110,9 +110,9 @@ void BenchRunner::addScene(const std::filesystem::path& file)
                 view.settings.size = size;
                 view.lights = arguments_.load.empty() ? lightCount : arguments_.load.front().lights;
                 scene.lights = view.lights > 0 ? scene::lightRing(view.lights, scene.bounds) : lights;
-                // As for `shot`: other lights than the scene's do without the usual sky.
-                const bool usual = view.lights == 0 || !arguments_.environment.empty();
-                scene.environment = usual ? environment : nullptr;
+                // As for `shot`: other lights than the scene's do without the default sky.
+                const bool keepsEnvironment = view.lights == 0 || !arguments_.environment.empty();
+                scene.environment = keepsEnvironment ? environment : nullptr;
                 scene.objects = spreadObjects(objects, size_t(objectCount));
                 addView(scene, uploaded, view);
                 if (objectCount > 0)

@@ -77,8 +77,8 @@ void checkSize(const DecodedShape& shape, size_t bytes, const DecodeRequest& req
     const size_t pixels = size_t(shape.width) * size_t(shape.height);
     checkImageSize(size_t(shape.width), size_t(shape.height), size_t(shape.channels), bytes);
     if (pixels > request.mostPixels)
-        throw Error(fmt::format("{} x {} pixels are more than {}; scale it down", shape.width, shape.height,
-                                request.mostPixels));
+        throw Error(fmt::format("{} x {} pixels, at most {} are allowed; scale it down", shape.width,
+                                shape.height, request.mostPixels));
     if (pixels / request.mostPixelsPerByte > bytes)
         throw Error(fmt::format("{} x {} pixels cannot be in {} bytes; export it again", shape.width,
                                 shape.height, bytes));
@@ -123,13 +123,13 @@ void readLevels(OIIO::ImageInput& input, const DecodedShape& shape, ImageFormat 
 }
 
 DecodedShape decodeWebp(std::span<const std::byte> bytes, const DecodeRequest& request,
-                        const PixelAllocator& room)
+                        const PixelAllocator& allocate)
 {
     const WebpSize size = readWebpSize(bytes);
     const DecodedShape shape{size.width, size.height, size.channels, 1, SampleType::u8, {}, {}};
     checkSize(shape, bytes.size(), request);
     if (request.part != ImagePart::header)
-        readWebp(bytes, size, room(shape));
+        readWebp(bytes, size, allocate(shape));
     return shape;
 }
 
@@ -163,14 +163,14 @@ size_t DecodedShape::samples() const
 }
 
 DecodedShape decode(std::span<const std::byte> bytes, const DecodeRequest& request,
-                    const PixelAllocator& room)
+                    const PixelAllocator& allocate)
 {
     const ImageFormat format = imageFormat(bytes, request.namedTga != 0);
     if ((request.formats & formatBit(format)) == 0)
         throw Error(fmt::format("its content is not {}; export it as {}", formatNames(request.formats),
                                 request.formats == formatBit(ImageFormat::exr) ? "EXR" : "PNG"));
     if (format == ImageFormat::webp)
-        return decodeWebp(bytes, request, room);
+        return decodeWebp(bytes, request, allocate);
     if (format == ImageFormat::exr)
         checkExrHeader(bytes);
     OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
@@ -185,7 +185,7 @@ DecodedShape decode(std::span<const std::byte> bytes, const DecodeRequest& reque
     const DecodedShape shape = shapeOf(spec, request);
     checkSize(shape, bytes.size(), request);
     if (request.part != ImagePart::header)
-        readLevels(*input, shape, format, room(shape));
+        readLevels(*input, shape, format, allocate(shape));
     return shape;
 }
 

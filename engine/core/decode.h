@@ -39,11 +39,11 @@ struct DecodedShape {
     size_t samples() const; // of all levels
 };
 
-// Called once the file's header is known and accepted: returns room for the pixels.
+// Called once the file's header is known and accepted: returns memory for the pixels.
 using PixelAllocator = std::function<std::byte*(const DecodedShape&)>;
 
 // Throws Error, without the file's name, for what is no image of the formats asked for, damaged or too large.
 DecodedShape decode(std::span<const std::byte> bytes, const DecodeRequest& request,
-                    const PixelAllocator& room);
+                    const PixelAllocator& allocate);
 
 } // namespace lumel

@@ -19,7 +19,7 @@ namespace lumel {
 namespace {
 
 constexpr const char* kHasEnded = "the image decoder's process has ended; start lumel again";
-constexpr const char* kNonsense = "damaged image (its decoder talks nonsense); export it again";
+constexpr const char* kNonsense = "damaged image (invalid reply from the decoder); export it again";
 Descriptor control; // to the zygote
 pid_t zygote = -1;
 std::atomic<bool> direct = false;
@@ -85,19 +85,19 @@ Descriptor emptyMemoryFile()
     Descriptor file(memfd_create("lumel image", MFD_CLOEXEC | MFD_ALLOW_SEALING));
     if (file.get() < 0)
         throw Error(
-            fmt::format("no memory file for its pixels ({}); close other programs", std::strerror(errno)));
+            fmt::format("no memory file for the pixels ({}); close other programs", std::strerror(errno)));
     return file;
 }
 
 Mapping decodeHere(const Descriptor& image, const DecodeRequest& request,
-                   const std::function<void(const DecodedShape&)>& room)
+                   const std::function<void(const DecodedShape&)>& allocate)
 {
     struct stat status {};
     fstat(image.get(), &status);
     const Mapping bytes(image, size_t(status.st_size), Mapping::read);
     Mapping pixels;
     const DecodedShape held = decode(bytes.bytes(), request, [&](const DecodedShape& shape) {
-        room(shape);
+        allocate(shape);
         const Descriptor file = emptyMemoryFile();
         const size_t size = shape.samples() * bytesOf(shape.type);
         if (ftruncate(file.get(), off_t(size)) != 0)
@@ -106,7 +106,7 @@ Mapping decodeHere(const Descriptor& image, const DecodeRequest& request,
         return pixels.bytes().data();
     });
     if (request.part == ImagePart::header)
-        room(held);
+        allocate(held);
     return pixels;
 }
 
@@ -145,10 +145,10 @@ void decodeInThisProcess()
 }
 
 Mapping decodeElsewhere(Descriptor image, const DecodeRequest& request,
-                        const std::function<void(const DecodedShape&)>& room)
+                        const std::function<void(const DecodedShape&)>& allocate)
 {
     if (direct)
-        return decodeHere(image, request, room);
+        return decodeHere(image, request, allocate);
     if (control.get() < 0)
         throw std::logic_error("images are decoded by a DecoderProcess, which main() starts");
     auto [ours, theirs] = makeSocketPair();
@@ -160,7 +160,7 @@ Mapping decodeElsewhere(Descriptor image, const DecodeRequest& request,
     if (first.outcome != DecodeReply::holds)
         failAsTold(first);
     const DecodedShape shape = shapeOf(first);
-    room(shape);
+    allocate(shape);
     const DecodeReply last = waitForReply(ours);
     if (last.outcome != DecodeReply::decoded)
         failAsTold(last);

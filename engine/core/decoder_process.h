@@ -28,12 +28,12 @@ public:
 // For fuzzers, which look for crashes: in place of a DecoderProcess, images are decoded right here.
 void decodeInThisProcess();
 
-// Decodes an open file by the one DecoderProcess that there is. `room` is called as soon as it is known what
-// the file holds, while the other process decodes. Returns the pixels; none of ImagePart::header. Any number
-// of threads may wait for different images. Throws Error without the file's name, and Interrupted after
-// Ctrl-C.
+// Decodes an open file by the one DecoderProcess that there is. `allocate` is called as soon as it is known
+// what the file holds, while the other process decodes. Returns the pixels; none of ImagePart::header. Any
+// number of threads may wait for different images. Throws Error without the file's name, and Interrupted
+// after Ctrl-C.
 Mapping decodeElsewhere(Descriptor image, const DecodeRequest& request,
-                        const std::function<void(const DecodedShape&)>& room);
+                        const std::function<void(const DecodedShape&)>& allocate);
 
 // A file in memory that holds the bytes.
 Descriptor memoryFile(std::span<const std::byte> bytes);

@@ -32,7 +32,7 @@ void append(DecodeReply& reply, const std::string& text)
     reply.textSize += uint32_t(text.size() + 1);
 }
 
-// A request with room for the descriptors that go along. It points into itself.
+// A request with space for the descriptors that go along. It points into itself.
 struct Envelope {
     explicit Envelope(DecodeRequest* request) : data{request, sizeof *request}
     {
@@ -126,7 +126,7 @@ DecodedShape shapeOf(const DecodeReply& reply)
     if (reply.width < 1 || reply.height < 1 || reply.channels < 1 || reply.channels > kMostChannels ||
         reply.levels < 1 || reply.levels > kMostLevels || reply.type > SampleType::f32 ||
         reply.textSize > sizeof reply.text)
-        throw Error("damaged image (its decoder talks nonsense); export it again");
+        throw Error("damaged image (invalid reply from the decoder); export it again");
     DecodedShape shape{reply.width, reply.height, reply.channels, reply.levels, reply.type, {}, {}};
     checkImageSize(size_t(shape.width), size_t(shape.height), size_t(shape.channels), kMaxImagePixels);
     std::vector<std::string> texts;

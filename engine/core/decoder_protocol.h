@@ -6,7 +6,7 @@
 
 namespace lumel {
 
-// With DecodeRequest goes: the image file, the memory file for its pixels, the socket for the reply.
+// With DecodeRequest goes: the image file, the memory file for the pixels, the socket for the reply.
 struct RequestFiles {
     Descriptor image, pixels, reply;
 };
@@ -17,7 +17,7 @@ struct DecodeReply {
         holds,
         decoded,
         refused,    // text says why
-        ended,      // the child ended without a last word; `status` is that of waitpid()
+        ended,      // the child ended without a reply; `status` is that of waitpid()
         notStarted, // `status` is errno
     } outcome = refused;
     int32_t status = 0;

@@ -92,7 +92,7 @@ DecodeReply decodeSandboxed(const DecodeRequest& request, const RequestFiles& fi
         if (hook)
             hook(bytes);
         const DecodedShape held = decode(bytes, request, [&](const DecodedShape& shape) {
-            sendReply(files.reply.get(), replyOf(shape)); // the parent makes room meanwhile
+            sendReply(files.reply.get(), replyOf(shape)); // the parent allocates meanwhile
             allowFor(shape, bytes.size(), ownBytes);
             const size_t size = shape.samples() * bytesOf(shape.type);
             if (ftruncate(files.pixels.get(), off_t(size)) != 0)
@@ -167,7 +167,7 @@ private:
         _exit(0);
     }
 
-    // After the child's own last word, if it had one; then nobody listens any more.
+    // After the child's own reply, if it sent one; later ones are not read.
     void tellOfEnded()
     {
         signalfd_siginfo ignored;

@@ -1,4 +1,4 @@
-// What the system lends: open files and mapped memory, given back at the end of their life; threads.
+// RAII for file descriptors and memory mappings; the number of threads.
 #pragma once
 #include <cstddef>
 #include <span>

@@ -25,7 +25,7 @@ float automaticExposure(const LuminanceHistogram& histogram);
 // nearly black (95 % of it below 0.02)?
 bool needsExposure(const LuminanceHistogram& histogram);
 
-// An exposure that follows another with a time constant of half a second, as eyes do.
+// An exposure that follows another with a time constant of half a second (eye adaptation).
 class ExposureAdaptation {
 public:
     // Small changes of what is wanted do not count.

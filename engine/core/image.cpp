@@ -27,7 +27,7 @@ ImageFile readAny(Descriptor file, const DecodeRequest& request, const std::stri
     try {
         ImageFile result;
         SampleType type = SampleType::f32;
-        const auto evictFor = [&](const DecodedShape& shape) {
+        const auto allocate = [&](const DecodedShape& shape) {
             type = shape.type;
             result = {.levels = {},
                       .width = shape.width,
@@ -39,7 +39,7 @@ ImageFile readAny(Descriptor file, const DecodeRequest& request, const std::stri
                 result.levels.emplace_back(std::max(1, shape.width >> level),
                                            std::max(1, shape.height >> level), shape.channels);
         };
-        const Mapping pixels = decodeElsewhere(std::move(file), request, evictFor);
+        const Mapping pixels = decodeElsewhere(std::move(file), request, allocate);
         const std::byte* from = pixels.bytes().data();
         for (Image& image : result.levels) {
             toFloats(from, type, image.pixels);

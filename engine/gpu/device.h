@@ -13,7 +13,7 @@
 namespace lumel::gpu {
 
 struct DeviceOptions {
-    std::string device{}; // index, or part of its or its driver's name; empty = the first that serves
+    std::string device{}; // index, or part of its or its driver's name; empty = the first suitable one
     bool validation = false;
     Demands demands{}; // beyond the features that every device must have
     // To present to a window: the instance extensions that its system asks for; empty = no window.
@@ -70,7 +70,7 @@ public:
     std::vector<std::string> validationMessages() const;
     uint64_t allocatedBytes() const { return memoryCount_.bytes; }
 
-    // Throws Error with the remedy when there is no such memory.
+    // Throws Error with the remedy when out of memory.
     Memory allocate(const vk::MemoryRequirements& requirements, vk::MemoryPropertyFlags wanted,
                     const std::string& remedy, bool deviceAddress = false) const;
 

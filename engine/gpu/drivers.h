@@ -9,7 +9,7 @@ namespace lumel::gpu {
 
 // Before an instance is made: shows the loader the drivers that are installed where it does not look.
 // Debian's chromium-common keeps SwiftShader, a second Vulkan driver for the CPU, in a folder of its own.
-// Someone who names drivers (VK_DRIVER_FILES) has the last word.
+// VK_DRIVER_FILES takes precedence.
 void findDrivers();
 
 // All devices, the best first: discrete, integrated, virtual, then software; SwiftShader after any other.

@@ -1,4 +1,4 @@
-// Validation messages that are no mistakes here.
+// Validation messages that are expected here.
 #pragma once
 #include <string_view>
 

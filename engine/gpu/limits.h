@@ -1,4 +1,4 @@
-// What a device can serve, and in one line each what it cannot: pure functions of what it was asked once.
+// What a device supports, and in one line each what it does not: pure functions of what it reported once.
 #pragma once
 #include <map>
 #include <string>

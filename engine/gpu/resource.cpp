@@ -76,7 +76,7 @@ vk::ImageCreateInfo createInfoOf(const ImageInfo& info)
             .usage = info.usage};
 }
 
-// One line each for what the device cannot serve.
+// One line each for what the device does not support.
 std::vector<std::string> unmetBy(const Device& device, const ImageInfo& info)
 {
     const std::string& name = device.limits().device;

@@ -11,7 +11,7 @@ class Buffer {
 public:
     enum class MemoryUsage { device, host };
     Buffer() = default;
-    // remedy: what to do when the device has no room for it.
+    // remedy: what to do when the device cannot allocate it.
     Buffer(const Device& device, size_t bytes, MemoryUsage memoryUsage, const std::string& name,
            const std::string& remedy = "use a smaller scene");
 
@@ -49,7 +49,7 @@ struct ImageInfo {
     vk::ImageUsageFlags usage;
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
     bool arrayView = false;                  // sampler2DArray / image2DArray even with one layer
-    const char* remedy = "use smaller maps"; // when the device has no such images, or no room for it
+    const char* remedy = "use smaller maps"; // when the device does not support or cannot allocate it
 };
 
 // Throws Error with the remedy when the device has no such images.

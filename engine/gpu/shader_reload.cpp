@@ -82,7 +82,7 @@ void reloadShaders()
         const std::string source = sourceFolder() + "/" + name;
         const int status = compile(source, output, log);
         if (status < 0)
-            throw Error("glslangValidator is not to be found; install glslang-tools");
+            throw Error("glslangValidator not found; install glslang-tools");
         if (status > 0)
             throw Error(fmt::format("{}: {}", name, firstError(log)));
         const auto bytes = readFile(output);

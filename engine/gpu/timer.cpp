@@ -20,7 +20,7 @@ void Timer::begin(vk::CommandBuffer commands, const char* name)
     assert(names_.size() < kMaxScopes);
     commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_, uint32_t(2 * names_.size()));
     names_.emplace_back(name);
-    // Software Vulkan takes the time when it flushes, which a dispatch alone does not make it do.
+    // Software Vulkan takes the timestamp when it flushes, which a dispatch alone does not cause.
     const vk::MemoryBarrier2 all{.srcStageMask = vk::PipelineStageFlagBits2::eAllCommands,
                                  .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands};
     commands.pipelineBarrier2(vk::DependencyInfo{.memoryBarrierCount = 1, .pMemoryBarriers = &all});

@@ -32,7 +32,7 @@ vk::SurfaceFormatKHR chooseFormat(const std::vector<vk::SurfaceFormatKHR>& forma
         for (const auto& format : formats)
             if (format.format == wanted)
                 return format;
-    throw Error("Vulkan: the window takes no 8-bit colours; choose another device with --device");
+    throw Error("Vulkan: no 8-bit UNORM surface format; choose another device with --device");
 }
 
 // The part of a placement that an image of this size has. A window may have shrunk since the frame began.
@@ -323,7 +323,7 @@ void Window::show(const std::vector<Placement>& placements, std::array<float, 3>
     } catch (const vk::OutOfDateKHRError&) {
         outdated_ = true;
     } catch (const vk::SurfaceLostKHRError&) {
-        outdated_ = true; // the next acquire finds it lost, and makes it anew
+        outdated_ = true; // the next acquire finds it lost, and recreates it
     }
     constexpr uint64_t kTenSecondsNs = 10'000'000'000ull;
     if (device_.handle().waitForFences(*fence_, VK_TRUE, kTenSecondsNs) != vk::Result::eSuccess)

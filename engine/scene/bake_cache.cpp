@@ -8,7 +8,7 @@
 namespace lumel::scene {
 namespace {
 
-constexpr const char* kMapsVersion = "2"; // raise when material_maps.cpp changes its results
+constexpr const char* kMapsVersion = "3"; // raise when material_maps.cpp changes its results
 
 std::string fileHash(const std::filesystem::path& file)
 {
@@ -68,14 +68,14 @@ BakeCache::BakeCache(const Scene& scene, const MaterialOptions& options) : optio
 
 void BakeCache::giveUp(const Error& reason)
 {
-    spdlog::warn("{}; materials are baked anew each time", reason.what());
+    spdlog::warn("{}; materials are baked again on each run", reason.what());
     folder_.reset();
 }
 
 std::string BakeCache::inputKey(const Material& material) const
 {
     Material m = material;
-    // Neither reflectance nor emissive depends on these.
+    // Neither reflectance nor emission depends on these.
     m.name.clear();
     m.bakedFile.clear();
     m.alphaMode = AlphaMode::opaque;
@@ -119,7 +119,7 @@ std::optional<std::string> BakeCache::recall(const std::string& inputKey) const
         const auto entry = readJson(path(inputKey, "-key.json"));
         const std::string key = entry.at("key");
         if (entry.at("seal") != seal(inputKey, key))
-            throw Error("the file is not the one that was stored");
+            throw Error("the file has changed since it was stored");
         return key;
     } catch (const std::exception& e) {
         spdlog::debug("cache entry {} is made anew: {}", inputKey, e.what());
@@ -147,21 +147,21 @@ std::optional<BakedMaterial> BakeCache::load(const std::string& key) const
     try {
         const auto manifest = readJson(path(key, ".json"));
         if (manifest.at("key") != key || manifest.at("reflectance") != fileHash(path(key, ".exr")))
-            throw Error("the file is not the one that was stored");
+            throw Error("the file has changed since it was stored");
         BakedMaterial baked;
         baked.reflectance = baker::readExr(path(key, ".exr"));
         if (baked.reflectance.version != baker::kVersion)
-            throw Error("it is of another version");
+            throw Error("written by another version");
         Image emissive(1, 1, 4);
         if (manifest.at("emissive").is_array())
             emissive.pixels = manifest["emissive"].get<std::vector<float>>();
         else if (manifest["emissive"] == fileHash(path(key, "-emissive.exr")))
             emissive = readImage(path(key, "-emissive.exr"));
         else
-            throw Error("the file is not the one that was stored");
+            throw Error("the file has changed since it was stored");
         if (emissive.pixels.size() != 4 * size_t(emissive.width) * size_t(emissive.height) ||
             !isUsable(emissive))
-            throw Error("it is no emissive map");
+            throw Error("not an emissive map");
         baked.emissive = mipChain(std::move(emissive));
         return baked;
     } catch (const Interrupted&) {

@@ -1,8 +1,8 @@
 // Baked materials on disk, by content.
 //
-// An entry is <key>.exr (the reflectance), <key>-emissive.exr where emissive varies, and <key>.json with the
+// An entry is <key>.exr (the reflectance), <key>-emissive.exr where emission varies, and <key>.json with the
 // hash of each of these files' bytes, written last. An entry counts only if all hashes agree and the files
-// can be read; so whatever is truncated, damaged, exchanged or of another version is baked anew.
+// can be read; so whatever is truncated, damaged, exchanged or of another version is baked again.
 //
 // The key is a hash of what is baked: the decoded, joined maps and the options. Since decoding takes longer
 // than all else in a start with a full cache, <inputs>-key.json keeps the key that a material led to, under

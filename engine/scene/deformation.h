@@ -1,4 +1,4 @@
-// Meshes that bend: skins and morph targets as data, and where they take vertices and boxes.
+// Meshes that deform: skins and morph targets as data, and where they take vertices and boxes.
 #pragma once
 #include "core/math.h"
 #include "shared/structs.h"
@@ -16,7 +16,7 @@ struct Scene;
 struct Extents {
     Bounds mesh;                 // at rest
     std::vector<Bounds> targets; // around what each morph target adds to positions at weight 1
-    std::vector<std::pair<uint32_t, Bounds>> joints; // around the vertices that each joint has a say in
+    std::vector<std::pair<uint32_t, Bounds>> joints; // around the vertices that each joint influences
 };
 
 // How a mesh's vertices follow joints and morph targets. Empty for meshes that do not.
@@ -42,7 +42,7 @@ struct Skin {
     std::vector<Joint> joints;
 };
 
-// A mesh deformed by a skin, by weights of morph targets, or both. Objects that bend alike share one.
+// A mesh deformed by a skin, by weights of morph targets, or both. Objects that deform alike share one.
 struct DeformedMesh {
     int mesh = 0;
     int skin = -1;              // in Scene::skins; then vertices end up in world space
@@ -55,7 +55,7 @@ using Matrices = std::vector<glm::mat4>;
 // Of the skin's joints, from the mesh to world space. An empty pose: as the nodes say.
 Matrices jointMatrices(const Skin& skin, const Matrices& pose = {});
 
-// What bends all deformed meshes at one time.
+// What deforms all meshes at one time.
 struct Shapes {
     std::vector<Matrices> joints;            // by skin
     std::vector<std::vector<float>> weights; // by deformed mesh
@@ -72,7 +72,7 @@ std::vector<shared::Vertex> deformedVertices(const Mesh& mesh, std::span<const g
                                              std::span<const float> weights);
 
 // As the nodes say, in object space.
-// As the nodes say; nothing where the mesh does not bend. `deformed`: in Scene::deformed, -1 none.
+// As the nodes say; nothing where the mesh does not deform. `deformed`: in Scene::deformed, -1 none.
 std::vector<shared::Vertex> deformedVertices(const Scene& scene, int deformed);
 
 Bounds objectBounds(const Scene& scene, size_t object);

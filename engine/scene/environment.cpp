@@ -273,17 +273,16 @@ Environment loadEnvironment(const std::filesystem::path& file)
             fmt::format("{}: unknown environment format; use a Radiance .hdr or an OpenEXR .exr", name));
     const Image image = readImage(file, kMostPixels);
     if (image.width != 2 * image.height)
-        throw Error(
-            fmt::format("{}: {} x {} pixels are no picture in latitude and longitude; it is twice as wide "
-                        "as high",
-                        name, image.width, image.height));
+        throw Error(fmt::format("{}: {} x {} pixels are not an equirectangular map; it is twice as wide "
+                                "as high",
+                                name, image.width, image.height));
     Image rgb(image.width, image.height, 3);
     const int grey = image.channels < 3 ? 0 : 1;
     for (size_t i = 0; i < rgb.pixels.size(); ++i) {
         const size_t channel = grey * (i % 3);
         const float value = image.pixels[i / 3 * size_t(image.channels) + channel];
         if (!std::isfinite(value) || value < 0.0f)
-            throw Error(fmt::format("{}: pixel {}, {} is {}, no radiance; export it again", name,
+            throw Error(fmt::format("{}: pixel {}, {} is {}, not a radiance; export it again", name,
                                     i / 3 % size_t(image.width), i / 3 / size_t(image.width),
                                     std::isfinite(value) ? "negative" : "not a finite number"));
         rgb.pixels[i] = std::min(value, 1e9f); // sums stay finite

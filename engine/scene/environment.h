@@ -1,4 +1,4 @@
-// The environment that light a scene: a picture of all directions, and what is made of it once on load.
+// The environment that lights a scene: a map of all directions, and what is made of it once on load.
 #pragma once
 #include "core/image.h"
 #include "scene.h"
@@ -19,11 +19,11 @@ struct Environment {
 glm::vec3 latLongDirection(glm::vec2 place);
 glm::vec2 latLongPlace(glm::vec3 direction);
 
-// `picture`: RGB radiance in latitude and longitude.
+// `picture`: RGB radiance, an equirectangular map.
 Environment makeEnvironment(const Image& picture);
 // A clear sky over light ground, with its sun as a light.
 Environment skyEnvironment();
-// Of a Radiance HDR or OpenEXR picture in latitude and longitude. Throws Error naming the file.
+// Of an equirectangular map, Radiance HDR or OpenEXR. Throws Error naming the file.
 Environment loadEnvironment(const std::filesystem::path& file);
 // "none", "sky" or a file; empty: a sky where the scene has no lights of its own.
 std::shared_ptr<const Environment> chooseEnvironment(const std::string& name, const Scene& scene);

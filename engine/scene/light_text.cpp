@@ -49,7 +49,7 @@ Light parseLight(const std::string& text)
     const bool sun = type == "sun" && n.size() == 7, spot = type == "spot" && n.size() == 13;
     const bool point = type == "point" && (n.size() == 7 || n.size() == 8);
     if (!sun && !point && !spot)
-        throw Error(fmt::format("{}: no light; {}", text, kForms));
+        throw Error(fmt::format("{}: not a light; {}", text, kForms));
     const glm::vec3 first(n[0], n[1], n[2]);
     light.colour = {n[3], n[4], n[5]};
     light.intensity = n[6];

@@ -8,7 +8,7 @@ namespace lumel::scene {
 // Decodes the images that reflection depends on. Constant materials give a map of 1 x 1 texels.
 baker::Maps reflectanceMaps(const Scene& scene, const Material& material);
 
-// Whether emissive varies over the surface, told without decoding.
+// Whether emission varies over the surface, told without decoding.
 bool emissiveVaries(const Material& material);
 // Emitted radiance (rgb) and ambient occlusion (alpha); 1 x 1 when it does not vary.
 Image emissiveImage(const Scene& scene, const Material& material);

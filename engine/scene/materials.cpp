@@ -100,7 +100,7 @@ void MaterialBaker::add(size_t index)
     if (auto stored = cache_.load(key))
         all.back() = std::move(*stored);
     else if (cache_.usable())
-        spdlog::warn("{}: material '{}' cannot be read back from the cache; it is baked anew each time",
+        spdlog::warn("{}: material '{}' cannot be read back from the cache; it is baked again on each run",
                      scene_.file.string(), material.name);
     ++bakedCount;
 }

@@ -1,4 +1,4 @@
-// The camera and the lights of files that bring none.
+// Default camera and lights for files without.
 #include "scene.h"
 #include <numbers>
 
@@ -15,7 +15,7 @@ Camera frameBounds(const Bounds& bounds, float aspect)
     const glm::vec3 right = glm::normalize(glm::cross(camera.up, back));
     const glm::vec3 up = glm::cross(back, right);
     const float tanY = std::tan(0.5f * camera.yFov);
-    constexpr float kMargin = 1.08f; // air around the object
+    constexpr float kMargin = 1.08f; // margin around the object
     float distance = 0.0f;
     for (int corner = 0; corner < 8; ++corner) {
         const glm::vec3 p = glm::vec3(corner & 1 ? bounds.upper.x : bounds.lower.x,
@@ -25,7 +25,7 @@ Camera frameBounds(const Bounds& bounds, float aspect)
         const float half = std::max(std::abs(glm::dot(p, up)), std::abs(glm::dot(p, right)) / aspect);
         distance = std::max(distance, glm::dot(p, back) + kMargin * half / tanY);
     }
-    // A flat sheet seen edge on, or a single point, still needs room before the near plane.
+    // A flat sheet seen edge on, or a single point, still needs space before the near plane.
     const float radius = std::max(bounds.radius(), 1e-6f);
     distance = std::max(distance, 1.1f * radius);
     camera.target = bounds.centre();

@@ -6,7 +6,7 @@
 //     the same UV orientation; it does not matter how the index buffer was split;
 //   - the shared tangent is the sum over these corners of the triangle's tangent, projected on the normal
 //     plane and normalised, times the corner's angle measured in that plane;
-//   - triangles whose UVs span no area have no say and borrow a neighbour's tangent;
+//   - triangles whose UVs span no area are ignored and borrow a neighbour's tangent;
 //   - a vertex whose triangles are of both orientations is split.
 // Deviation: mikktspace.c also separates corners that share a vertex but no chain of edges (a bow tie).
 // Here they share a tangent.

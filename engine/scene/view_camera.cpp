@@ -5,7 +5,7 @@
 namespace lumel::scene {
 namespace {
 
-constexpr float kPole = 0.9995f; // |y| of a direction, at most: beyond it "up" is not to be told
+constexpr float kPole = 0.9995f; // |y| of a direction, at most: beyond it "up" is undefined
 
 // `direction` turned by parts of half a turn about the vertical and about the horizontal beside it.
 glm::vec3 turned(glm::vec3 direction, glm::vec2 halfTurns)

@@ -1,4 +1,4 @@
-// A camera led by hand: around its target, or through the scene.
+// An interactive camera: around its target, or through the scene.
 #pragma once
 #include "scene.h"
 

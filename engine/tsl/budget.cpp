@@ -5,18 +5,18 @@
 namespace lumel::tsl {
 namespace {
 
-// Of the budget, for lumels. However dear the pixels are, lumels get the least share, so that light follows
-// what moves. Pixels that leave them less make the render scale fall to where they get the second share, and
-// it rises when they would still get the third: in between, lumels give and take.
+// Of the budget, for lumels. However expensive the pixels are, lumels get the least share, so that light
+// follows what moves. Pixels that leave them less make the render scale fall to where they get the second
+// share, and it rises when they would still get the third: in between, lumels give and take.
 constexpr double kLeastShare = 0.05, kShareAfterFall = 0.14, kShareAfterRise = 0.22;
-// Fewer lumels tell nothing about what one costs: dispatches cost as much.
+// Below this many lumels the time says nothing about one: dispatches dominate.
 constexpr size_t kTellingLumels = 1024;
 constexpr double kLeastExcess = 1.0, kMostExcess = 1.4;
 
 // Frames that lumels wait: beyond the upper bound everything gets coarser, below the lower one finer. A level
 // changes the number of lumels by 4, so the two are further apart than that.
 constexpr double kLongWait = 32.0, kShortWait = 4.0;
-constexpr float kCoarserStep = 1.0f / 16.0f, kFinerStep = 1.0f / 32.0f; // levels a frame: no jump to be seen
+constexpr float kCoarserStep = 1.0f / 16.0f, kFinerStep = 1.0f / 32.0f; // levels per frame: no visible jump
 
 // What shading pixels makes of the least that a frame costs, before it is known.
 constexpr double kPerPixelGuess = 1.5;
@@ -47,7 +47,7 @@ void CostModel::learn(const FrameCost& cost, const Quality& quality)
     draw_.add(cost.draw / pixels);
     (quality.renderScale < 1.0f ? upscale_ : display_).add(cost.display);
     if (!cost.found)
-        return; // cheaper than the frame for which there must be room
+        return; // cheaper than the frame that must fit
     find_.add(cost.find / pixels);
     rest_.add(std::max(0.0, cost.total - cost.find - cost.light - cost.draw - cost.display));
     if (cost.lumelsLit >= kTellingLumels)
@@ -127,7 +127,7 @@ void BudgetController::moveLevelBias(const FrameCost& cost)
         bias = std::max(bias - kFinerStep, 0.0f);
 }
 
-// Light that waits while its lamps move on is of another second, which is worse than fewer pixels: shading
+// Lighting that waits while its lights move on is stale, which is worse than fewer pixels: shading
 // pixels costs more than drawing lumels, but none of it waits.
 void BudgetController::moveDynamic(const FrameCost& cost, double target)
 {

@@ -51,7 +51,7 @@ Detail detailFor(const Elongations& elongations, float pixels, const Detail& fin
     }
     if (!before)
         return reduced(finest, high);
-    constexpr float kTolerated = 1.0f / 8.0f, kStep = 1.0f / 32.0f; // a frame: no jump to be seen
+    constexpr float kTolerated = 1.0f / 8.0f, kStep = 1.0f / 32.0f; // per frame: no visible jump
     const float now = octavesBelow(finest, *before);
     return std::abs(high - now) <= kTolerated ? *before
                                               : reduced(finest, now + std::clamp(high - now, -kStep, kStep));

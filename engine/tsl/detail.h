@@ -1,4 +1,4 @@
-// Detail: how finely a view is lit. One lumel a pixel across takes many lumels where surfaces are seen at a
+// Detail: how finely a view is lit. One lumel per pixel across takes many lumels where surfaces are seen at a
 // grazing angle; a bound on them gives up the length of footprints first, then the size of lumels.
 #pragma once
 #include "shared/structs.h"
@@ -12,7 +12,7 @@ namespace lumel::tsl {
 using Elongations = std::array<float, shared::kElongations>;
 
 struct Detail {
-    float levelOffset = 0.0f; // levels coarser than one lumel a pixel across
+    float levelOffset = 0.0f; // levels coarser than one lumel per pixel across
     float anisotropy = 1.0f;  // a footprint counts as at most so many times longer than wide
 
     bool operator==(const Detail&) const = default;

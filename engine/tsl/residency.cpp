@@ -142,7 +142,7 @@ void Residency::assign(TexturePool& pool, std::span<const ObjectFeedback> feedba
                 resident = {};
         }
         if (resident.texture && feedback[i].inView)
-            pool.touch(resident.texture, frame); // not to be taken over before it is copied from
+            pool.touch(resident.texture, frame); // must not be taken over before it is copied from
     }
     for (size_t i = 0; i < feedback.size(); ++i)
         assignObject(pool, feedback[i], i, frame);

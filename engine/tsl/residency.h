@@ -42,8 +42,8 @@ inline constexpr float kLevelHysteresis = 0.25f;
 
 class Residency {
 public:
-    // Finds resident for all. When the cap binds, all objects move coarser together, by eighths of a level;
-    // one that finds no resident even so takes a coarser texture, and is drawn forward if there is none.
+    // Allocates textures for all. When the cap binds, all objects move coarser together, by eighths of a
+    // level; one that still does not fit takes a coarser texture, and is drawn forward if there is none.
     void assign(TexturePool& pool, std::span<const ObjectFeedback> feedback, uint64_t frame);
 
     const std::vector<ObjectResidency>& objects() const { return objects_; }

@@ -33,7 +33,7 @@ TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size);
 // because light reflected by interpolated normals varies faster than the normals do (measured on the record's
 // grooves, near: 34.5 dB against the reference, 24.5 dB with lumels as large as texels). Only views that need
 // that level light it. Emission and occlusion do not vary faster than their texels: the next power of two
-// will do for emissive. At least kMinGrid, so that light still varies over a plain colour; at most kMaxGrid.
+// is enough for them. At least kMinGrid, so that light still varies over a plain colour; at most kMaxGrid.
 inline constexpr uint32_t kMinGrid = 1024, kMaxGrid = 8192;
 glm::uvec2 lumelGrid(glm::ivec2 material, glm::ivec2 emissive);
 

@@ -121,7 +121,7 @@ TextureId TexturePool::acquire(int object, uint32_t litLevel, glm::uvec2 size, u
         }
     if (const TextureId unused = findRecyclable(size, frame, true))
         return claim(unused, object, litLevel, frame);
-    // New memory before taking over: an object out of sight for a moment then keeps its lumels.
+    // New memory before taking over: an object out of view for a moment then keeps its lumels.
     const size_t bytes = TextureLayout(size).blockBytes();
     if (usedBytes_ + bytes > capBytes_)
         if (const TextureId old = findRecyclable(size, frame, false))

@@ -57,7 +57,7 @@ public:
     const PoolTexture& texture(TextureId id) const { return blocks_[size_t(id.block)].textures[id.layer]; }
     // The object's most recently used texture.
     TextureId latestOf(int object) const;
-    // Uses a texture in a frame that did not need it anew.
+    // Uses a texture in a frame that needed nothing new of it.
     void touch(TextureId id, uint64_t frame) { at(id).lastUsed = frame; }
 
     size_t usedBytes() const { return usedBytes_; }

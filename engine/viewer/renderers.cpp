@@ -208,7 +208,7 @@ ViewRenderers::Slot& ViewRenderers::prepareReference(const ui::ViewState& state,
     settings.size = size;
     settings.shading = Shading::reference;
     settings.samples = 1;
-    settings.budgetMs = 0.0; // the truth takes its time
+    settings.budgetMs = 0.0; // the reference takes its time
     prepare(slot, state, slot.renderer ? slot.method : materials_.begin()->first, settings);
     return slot;
 }
@@ -242,7 +242,7 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::View
         settled = settled && slot.renderer->settled();
         report.sides[i].stats = slot.stats;
     }
-    // Both sides are measured once they are done: then there is time for the truth.
+    // Both sides are measured once they are done: then there is time for the reference.
     if (needsReference || (state.split && settled)) {
         Slot& slot = prepareReference(state, size);
         rendered = renderSlot(slot, state) || rendered;
@@ -288,14 +288,14 @@ void ViewRenderers::measure(const ui::ViewState& state, ui::ViewReport& report)
         report.sides[1].psnr.reset();
         report.referenceSamples = measuredSamples_ = 0;
     }
-    // Reading pictures back takes time: as often as the truth's noise has halved.
+    // Reading pictures back takes time: as often as the reference's noise has halved.
     const bool worthwhile = samples >= std::min(2 * measuredSamples_, state.settings.samples);
     if (!current || !worthwhile || samples == measuredSamples_ || state.settings.view != View::none)
         return;
-    const Image truth = reference.renderer->readDisplay();
+    const Image expected = reference.renderer->readDisplay();
     for (size_t i = 0; i < 2; ++i)
         if (!isReference_[i] && slots_[i].renderer)
-            report.sides[i].psnr = compareQuickly(slots_[i].renderer->readDisplay(), truth).psnr;
+            report.sides[i].psnr = compareQuickly(slots_[i].renderer->readDisplay(), expected).psnr;
     report.referenceSamples = measuredSamples_ = samples;
 }
 

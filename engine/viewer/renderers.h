@@ -11,8 +11,8 @@ class ViewRenderers {
 public:
     explicit ViewRenderers(const gpu::Device& device) : device_(device) {}
 
-    // Another scene, or its materials anew: all renderers begin again. Throws Error and keeps the old ones
-    // when the new scene has no room.
+    // Another scene, or another of its materials: all renderers start over. Throws Error and keeps the old
+    // ones when the new scene has no room.
     void setScene(scene::LoadedScene loaded, const ui::ViewState& state);
     // The materials of another method, for the same scene.
     void addMaterials(scene::LoadedScene loaded)

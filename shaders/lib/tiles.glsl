@@ -39,7 +39,7 @@ uint texelAt(ObjectAt object, uint level, uvec2 lumel)
     return object.at.texels.at[object.at.texelOffsets[level] + lumel.y * width + lumel.x];
 }
 
-// Has the tile no surface? Its 8x8 lumels are one lumel three levels coarser, whose gutter tells of surface in
+// Has the tile no surface? Its 8x8 lumels are one lumel three levels coarser, whose gutter indicates surface in
 // the tiles around it.
 bool tileEmpty(ObjectAt object, uint mip, uvec2 tile)
 {
@@ -67,7 +67,7 @@ uint childrenLit(ObjectAt object, uint mip, uvec2 tile)
     return youngest;
 }
 
-// All that is known of a tile's light. Not its marks and derivation, which other invocations may be changing.
+// The state of a tile's light, without its marks and derivation, which other invocations may be changing.
 TileState lightState(ObjectAt object, uint index)
 {
     TileState state;
@@ -84,7 +84,7 @@ TileState lightState(ObjectAt object, uint index)
     return state;
 }
 
-// Tiles in a job's list: what found no room is not counted.
+// Tiles in a job's list: those beyond its capacity are not counted.
 uint listed(Job job)
 {
     return min(job.count, job.capacity);

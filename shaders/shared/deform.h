@@ -1,4 +1,4 @@
-// How joints bend a vertex: run by deform.comp each frame, and by the CPU where it needs to know.
+// Skinning and morphing of a vertex: run by deform.comp each frame, and by the CPU where it needs the result.
 #ifndef LUMEL_SHARED_DEFORM_H
 #define LUMEL_SHARED_DEFORM_H
 #include "structs.h"
@@ -21,7 +21,7 @@ LUMEL_FN Vertex morphed(Vertex v, MorphDelta delta, float weight)
 }
 
 // m: the mean of the joints' matrices, by their weights. Normals go by its cofactors, which are its inverse
-// transpose times its determinant but need no division: right under scales that differ by axis. Where it mirrors, so
+// transpose times its determinant but need no division: correct under non-uniform scales. Where it mirrors, so
 // does the bitangent, which is the cross product of the other two: w changes its sign.
 LUMEL_FN Vertex skinned(Vertex v, mat4 m)
 {

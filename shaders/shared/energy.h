@@ -1,8 +1,8 @@
-// Energy: how rough a glTF roughness is as a power, and what makes a lobe reflect all that it should.
+// Energy: how rough a glTF roughness is as a power, and the factors that keep a lobe's energy.
 //
 // The lobe p (N.h)^p with a visibility of 1 / (4 V) loses energy: its scale leaves out the cosine, half vectors
 // near the horizon send light below it, and what rough microfacets reflect among themselves comes back only in
-// part. A white metal in a white furnace is to return 1 whatever its roughness. Three factors see to it:
+// part. A white metal in a white furnace must return 1 at any roughness. These factors ensure it:
 //
 //   energyFactor(s)       of the roughness alone. It is part of Ks at level 0, so the fit averages it exactly.
 //   scatteringTint        what metals that are not white absorb between microfacets. Part of Ks too.
@@ -55,7 +55,7 @@ LUMEL_FN vec3 scatteringTint(vec3 f0, float single)
 }
 
 // How much of Smith's masking joins Kelemen's visibility (shading.h). Chosen so that spheres under one light are as
-// bright as with GGX and multiple scattering; below a roughness of 0.7 it is next to nothing.
+// bright as with GGX and multiple scattering; below a roughness of 0.7 it is negligible.
 LUMEL_FN float smithShare(float variance)
 {
     return variance * variance;
@@ -63,7 +63,7 @@ LUMEL_FN float smithShare(float variance)
 
 LUMEL_FN float energyResidual(float cosine, float variance)
 {
-    // At flatter angles only the clamped visibility is at work, within a pixel of the silhouette.
+    // At grazing angles only the clamped visibility is at work, within a pixel of the silhouette.
     float m = max(cosine, 0.1f), s = clamp(variance, 0.0f, 1.0f), d = sqrt(s);
     float x = m / (m + 2.0f * d);
     float c0 = -0.008f + d * (-0.777f + d * (6.106f - 3.752f * d));

@@ -1,11 +1,11 @@
-// Light from all around: a picture of the environment, filtered once for rough and smooth lobes.
+// Light from the environment: an environment map, filtered once for rough and smooth lobes.
 //
 // The specular part is a product of two averages (Karis 2013, "Real Shading in Unreal Engine 4", the split
 // sum): of the radiance around the reflected direction, and of the reflectance (F0 + (F90 - F0) grazingShare, see
 // energy.h: at F0 = 1 all comes back). The diffuse
 // part is a quadratic form in N (Ramamoorthi and Hanrahan 2001, "An Efficient Representation for Irradiance
 // Environment Maps"). Both are of the lobe of shading.h, so that an environment and a light of the same
-// strength show alike.
+// strength look the same.
 #ifndef LUMEL_SHARED_ENVIRONMENT_H
 #define LUMEL_SHARED_ENVIRONMENT_H
 #include "limits.h"
@@ -15,8 +15,8 @@ LUMEL_SHARED_BEGIN
 // Directions in a square: the octahedron of Engelhardt and Dachsbacher 2008 ("Octahedron Environment Maps"), up in
 // the middle. A margin repeats what lies across the square's border, wide enough for bilinear lookups in the
 // coarsest level: its outermost texel centres lie on the border.
-LUMEL_CONST uint kEnvironmentSize = 512u; // texels a side of level 0
-LUMEL_CONST uint kEnvironmentLevels = 7u; // down to 8 texels a side
+LUMEL_CONST uint kEnvironmentSize = 512u; // texels per side of level 0
+LUMEL_CONST uint kEnvironmentLevels = 7u; // down to 8 texels per side
 LUMEL_CONST float kEnvironmentMargin = 0.0625f; // of the side
 
 LUMEL_FN float signOf(float x)
@@ -53,7 +53,7 @@ LUMEL_FN vec3 environmentDirection(vec2 place)
 }
 
 // Covariances of the lobes that the levels are filtered for: a hundred times the standard deviation from the
-// first to the last, in even steps of its logarithm. Level 0 is the picture itself.
+// first to the last, in even steps of its logarithm. Level 0 is the map itself.
 LUMEL_FN float environmentVariance(float level)
 {
     return pow(1e4f, level / float(kEnvironmentLevels - 1u) - 1.0f);
@@ -82,7 +82,7 @@ LUMEL_FN EnvironmentLobe environmentLobe(float nDotV, float variance)
     return lobe;
 }
 
-// A direction of the world in the picture's own axes.
+// A world direction in the map's axes.
 LUMEL_FN vec3 environmentTurned(EnvironmentView environment, vec3 d)
 {
     vec2 turn = environment.turn;

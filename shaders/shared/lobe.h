@@ -53,7 +53,7 @@ LUMEL_FN vec3 lobeTangentU(vec3 normal)
     return normalize(vec3(1.0f, 0.0f, 0.0f) - normal * normal.x);
 }
 
-// A lobe made ready for many half vectors: everything that does not depend on h. The three vectors may be
+// A lobe prepared for many half vectors: everything that does not depend on h. The three vectors may be
 // rotated into any orthonormal space (the shaders light in world space) as long as h is in it too.
 struct Lobe {
     vec3 normal;

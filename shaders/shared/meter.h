@@ -4,7 +4,7 @@
 #include "compat.h"
 LUMEL_SHARED_BEGIN
 
-// Eight bins an octave, from 2^-16 to 2^16; the first also holds all that is darker, the last what is brighter.
+// Eight bins per octave, from 2^-16 to 2^16; the first also holds all that is darker, the last what is brighter.
 LUMEL_CONST uint kMeterBins = 256u;
 LUMEL_CONST int kMeterFirstOctave = -16;
 

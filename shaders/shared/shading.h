@@ -59,7 +59,7 @@ struct SurfaceReflectance {
     vec3 macroNormal;
     vec3 f0;
     vec3 strength;     // Ks R(v) / F0: multiplies Fresnel and the lobe
-    vec3 tint;         // of F0 and Fresnel's grazing part on the whole, see energy.h
+    vec3 tint;         // of F0 and Fresnel's grazing part together, see energy.h
     vec3 diffuse;      // Kd' = Kd less the share that the specular part reflects at grazing angles
     float grazing;     // that share, where F90 and tint are 1
     float smith;       // share of Smith's masking in the visibility
@@ -85,7 +85,7 @@ LUMEL_FN SurfaceReflectance reflectanceTowards(SurfaceTexel texel, vec3 v)
     return surface;
 }
 
-// What the specular part reflects of a white furnace; grazing: grazingShare of the lobes that take part.
+// The specular part's reflectance in a white furnace; grazing: grazingShare of the lobes that take part.
 LUMEL_FN vec3 reflectedShare(SurfaceReflectance surface, float grazing)
 {
     return surface.tint * (surface.f0 + grazingHeadroom(surface.f0) * grazing);

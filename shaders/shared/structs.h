@@ -39,7 +39,7 @@ struct Vertex {
     vec2 emissionUv;     // the same for emission and occlusion
 };
 
-// What vertex shaders are fed, by location: of each vertex, and of the object (an instance's index is its object's).
+// Vertex attributes by location: of each vertex, and of the object (an instance's index is its object's).
 LUMEL_CONST uint kAttributePosition = 0u;
 LUMEL_CONST uint kAttributeNormal = 1u;
 LUMEL_CONST uint kAttributeTangent = 2u;
@@ -93,7 +93,7 @@ LUMEL_CONST uint kFeatureColoured = 4u; // vertices have colours
 // Bits of JobTile::lights.
 LUMEL_CONST uint kListedLights = 256u;
 
-// A light's shadow map: a layer of the array. Each light costs a map's memory and up to four comparisons a lumel.
+// A light's shadow map: a layer of the array. Each light costs a map's memory and up to four comparisons per lumel.
 LUMEL_CONST uint kMaxShadows = 8u;
 struct Shadow {
     mat4 mapFromWorld; // xy: 0 to 1 over the map, z: depth
@@ -112,7 +112,7 @@ struct View {
     float anisotropy; // of this frame: most taps along a footprint's long axis, 1 = isotropic
     uvec2 sizePixels;
     uint frame;        // from 1
-    float levelOffset; // levels that lit textures are coarser than one lumel a pixel
+    float levelOffset; // levels that lit textures are coarser than one lumel per pixel
     LUMEL_ADDRESS(Objects) objects;
     EnvironmentView environment;
     uint shadowCount;
@@ -230,7 +230,7 @@ struct JobTile {
     uint lights[kListedLights / 32u];
 };
 
-// A tile that this frame's view needs, and what is to be done about it.
+// A tile that this frame's view needs, and what happens to it.
 struct Mark {
     Tile tile;
     uint verdict; // kVerdict..., or the priority of lighting it
@@ -250,16 +250,16 @@ struct Plan {
     uint groups[3]; // of a dispatch over the marked tiles, 64 each
     uint histogram[kPriorities];
     uint threshold; // this priority and greater ones are lit
-    float share;    // of the tiles of that very priority
+    float share;    // of the tiles of exactly that priority
     uint tilesLit;
     uint lumelsMarked, lumelsLit, lumelsDerived, lumelsPending; // pending: to be lit in later frames
-    uint dropped; // entries that a list had no room for; 0, since lists hold all the tiles there are
+    uint dropped; // entries beyond the capacity of a list; 0, since lists hold all existing tiles
 };
 
 // A list of tiles for one dispatch: of one material and pool block (light), or of one block and MIP (lower).
 struct Job {
     uint groups[3]; // of the dispatch; a group takes tile after tile
-    uint count;     // tiles that were to enter the list, of which it holds no more than `capacity`
+    uint count;     // tiles appended, of which the list holds at most `capacity`
     uint capacity;
     uint first; // in the list of all jobs' tiles
 };
@@ -359,7 +359,7 @@ struct LitPush {
     float anisotropy;
     uint layer;
     uint mips;
-    uint waiting;      // 1: some lumels may wait for their light, and count for nothing
+    uint waiting;      // 1: some lumels may wait for their light, and have no weight
     uint tileOffsets[kMaxLevels];
 };
 

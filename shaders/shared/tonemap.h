@@ -53,7 +53,7 @@ LUMEL_FN vec3 displayColour(vec3 radiance, float exposure, uint mapper)
     return vec3(encodeSrgb(mapped.x), encodeSrgb(mapped.y), encodeSrgb(mapped.z));
 }
 
-// By the usual mapper.
+// By the default tone mapper.
 LUMEL_FN vec3 displayColour(vec3 radiance, float exposure)
 {
     return displayColour(radiance, exposure, kToneMapNeutral);

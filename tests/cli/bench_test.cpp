@@ -117,7 +117,7 @@ TEST_F(Bench, ErrorAndFlickerAreMeasuredWhereAsked)
 
 TEST_F(Bench, LoadChangesAtItsFrame)
 {
-    // A light that moves lights everything anew; what stands still is kept.
+    // A light that moves makes everything be lit again; what stands still is kept.
     ASSERT_EQ(run({"bench", "square.gltf", "--size", "48x36", "--frames", "8", "--warmup", "9", "--path",
                    "still", "--load-lights", "2@0,8@5", "--json", "l.json"})
                   .exitCode,

@@ -1,4 +1,4 @@
-// Other people's images: damaged, foreign and hostile ones end in one line; no process stays behind.
+// Untrusted images: damaged, foreign and hostile ones end in one line; no process is left behind.
 #include "../image_files.h"
 #include "inputs.h"
 #include "program.h"
@@ -108,7 +108,7 @@ TEST_F(ImageFiles, JpegBombsAreCut)
     EXPECT_FALSE(fs::exists(folder_ / "out.exr"));
 }
 
-TEST_F(ImageFiles, BakedFilesEnvironmentAndPicturesAreReadTheSameWay)
+TEST_F(ImageFiles, BakedFilesEnvironmentMapsAndPicturesAreReadTheSameWay)
 {
     writeHeightMap(folder_ / "h.png", 64, 64);
     ASSERT_EQ(run({"bake", "--height", "h.png", "--height-scale", "0.02", "-o", "baked.exr"}).exitCode, 0);

@@ -1,4 +1,4 @@
-// Small inputs made on the spot.
+// Small generated inputs.
 #pragma once
 #include <array>
 #include <filesystem>
@@ -9,7 +9,7 @@ namespace lumel::cli {
 // An uneven relief as an 8-bit PNG.
 void writeHeightMap(const std::filesystem::path& file, int width, int height);
 
-// One textured square, 2 m wide, facing +Z, with its buffer beside it (<stem>.bin)..
+// One textured square, 2 m wide, facing +Z, with its buffer beside it (<stem>.bin).
 nlohmann::json squareScene(const std::filesystem::path& gltf);
 // Moves a node of such a scene from a place to another in two seconds; the keys go into <stem>.bin.
 void addMotion(nlohmann::json& document, const std::filesystem::path& gltf, int node,

@@ -1,4 +1,4 @@
-// Runs build/lumel the way a user's shell does, in a folder of its own.
+// Runs build/lumel as a shell does, in a separate folder.
 #pragma once
 #include <filesystem>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The statistics' documented form (README), field by field.
+// The documented form of the statistics (engine/app/bench/README.md), field by field.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <set>
@@ -6,7 +6,8 @@
 
 namespace lumel::cli {
 
-// What one run of `shot --stats` or `bench --json` must be; each difference is a test failure that names it.
+// What one run of `shot --stats` or `bench --json` must be; each difference is a test failure that names the
+// field.
 void expectRunOfSchema(const nlohmann::json& run);
 
 // All names of fields in the document, but those inside `options` and `lumels_by_tile_size`: options and

@@ -201,7 +201,7 @@ TEST_F(Shot, WrongPathsFail)
     expectOneLine(run({"shot", "square.gltf", "-o", "a.png", "--stats", "no/s.json"}), 1, "no/s.json");
 }
 
-TEST_F(Shot, ABudgetOutOfReachIsSaidOnceAndCounted)
+TEST_F(Shot, ABudgetOutOfReachIsReportedOnceAndCounted)
 {
     writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
     const Outcome outcome = run({"shot", "square.gltf", "--size", "64x48", "--frames", "60", "--path",

@@ -1,4 +1,4 @@
-// What `shot` shows without being told how: which camera, what light beside the lights, what exposure.
+// The defaults of `shot`: camera, environment and ambient light, exposure.
 #include "core/image.h"
 #include "inputs.h"
 #include "program.h"
@@ -165,7 +165,7 @@ TEST_F(Exposure, RealWorldLightsComeOutNeitherWhiteNorBlack)
     }
 }
 
-TEST_F(Exposure, IsLeftAloneWhereOneWillDo)
+TEST_F(Exposure, StaysOneWhereThatSuffices)
 {
     writeLit("directional", 3.0f);
     EXPECT_EQ(saidExposure(shoot("defaults.png", {})), "");

@@ -1,4 +1,4 @@
-// libFuzzer target: any bytes as a baked EXR. It is read whole or it is an Error.
+// libFuzzer target: any bytes as a baked EXR, which is read completely or throws Error.
 #include "baker/bake.h"
 #include "core/decoder_process.h"
 #include "core/error.h"

@@ -1,4 +1,4 @@
-// The fuzzers' inputs as files, because that is what the loaders take.
+// The fuzzers' inputs as files, which the loaders require.
 #pragma once
 #include <cstdint>
 #include <filesystem>

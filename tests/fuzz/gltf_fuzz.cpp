@@ -1,4 +1,4 @@
-// libFuzzer target: any bytes as a glTF file. It loads, with its material maps, or it is an Error.
+// libFuzzer target: any bytes as a glTF file, which loads with its material maps or throws Error.
 #include "core/decoder_process.h"
 #include "core/error.h"
 #include "fuzz_file.h"

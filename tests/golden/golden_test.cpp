@@ -1,5 +1,5 @@
 // One small scene, a plate with fine rings under two lights, near (a ring covers many pixels) and far (two
-// pixels) in every shading mode. A picture that differs leaves itself, the golden and their difference in
+// pixels) in every shading mode. When a picture differs, it, the golden and their difference are kept in
 // out/golden/.
 #include "core/compare.h"
 #include "inputs.h"
@@ -14,9 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The goldens are Mesa's lavapipe's, whose name this is. The same device gives the same bytes; other devices
-// and drivers round differently along edges. For comparison: forward and texture space differ by 42 dB near
-// and 34 dB far.
+// The goldens come from Mesa's lavapipe, whose device name this is. The same device gives the same bytes;
+// other devices and drivers round differently along edges. For comparison: forward and texture space differ
+// by 42 dB near and 34 dB far.
 constexpr const char* kGoldenDevice = "llvmpipe";
 constexpr double kLeastPsnr = 45.0;
 
@@ -62,7 +62,7 @@ void writePlate(const fs::path& gltf)
 
 struct Case {
     const char* name;
-    const char* options; // of `lumel shot`, parted by blanks
+    const char* options; // of `lumel shot`, separated by blanks
 };
 
 class Golden : public Program, public ::testing::WithParamInterface<Case> {};

@@ -1,4 +1,4 @@
-// What invocations change at a time they change atomically: read off the SPIR-V of every shader.
+// What several invocations change at once is changed atomically: checked in the SPIR-V of every shader.
 #include "gpu/pipeline.h"
 #include <gtest/gtest.h>
 #include <map>
@@ -94,7 +94,7 @@ private:
         }
     }
 
-    // A struct is stored with all of its members; copies in registers are nobody else's.
+    // A struct is stored with all of its members; copies in registers are private.
     void store(uint32_t pointer)
     {
         const uint32_t type = types_[pointer];

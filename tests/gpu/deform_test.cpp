@@ -1,4 +1,4 @@
-// Meshes that bend: the vertices that the GPU makes against the CPU's, and pictures of all shadings against
+// Deforming meshes: the GPU's vertices against the CPU's, and pictures of all shadings against
 // the reference while they move.
 #include "core/compare.h"
 #include "scene/environment.h"
@@ -59,7 +59,7 @@ void setShape(TestScene& s, float seconds)
 
 const scene::Camera kCamera = cameraAt({0.4f, 0.6f, 3.6f});
 
-// The first mesh's colours show in all shadings, and white ones are none.
+// The first mesh's colours show in all shadings, and white ones change nothing.
 void expectTints(const TestScene& s)
 {
     const Picture truth = shoot(s, kCamera, settingsFor(Shading::reference));
@@ -138,7 +138,7 @@ TEST_F(DeformTest, WhatStandsStillKeepsItsLumelsAndWhatMovesIsLitAgain)
     EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, kCamera, settingsFor(Shading::tsl)).display), 45.0);
 }
 
-// The shadow of what bends follows it, whether the camera sees what casts it or the ground alone.
+// The shadow of a deforming object follows it, whether the camera sees what casts it or the ground alone.
 TEST_F(DeformTest, AShadowFollowsWhatDeforms)
 {
     TestScene s = deformingScene(plainMaps());

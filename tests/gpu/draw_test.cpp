@@ -1,4 +1,4 @@
-// Drawing the lit texture: its filters, chart borders, levels, and the views of what lies behind.
+// Drawing the lit texture: its filters, chart borders, levels, and the debug views.
 #include "core/compare.h"
 #include "test_scene.h"
 #include <algorithm>
@@ -10,17 +10,17 @@ using DrawTest = GpuTest;
 
 TEST_F(DrawTest, MultisamplingMovesNothing)
 {
-    // A plane of fine detail: lookups shifted by a part of a pixel would be far from the reference.
+    // A plane of fine detail: lookups shifted by a fraction of a pixel would be far from the reference.
     TestScene s;
     s.add(planeMesh(8), bumpyMaps(256, 1.0f, 100.0f));
     s.scene.lights = {sun({0.3f, -0.2f, -1.0f})};
     const scene::Camera camera = cameraAt({0.0f, -0.6f, 3.0f});
     Settings settings = settingsFor(Shading::tsl);
-    const Picture truth = shoot(s, camera, settingsFor(Shading::reference));
+    const Picture reference = shoot(s, camera, settingsFor(Shading::reference));
     settings.msaa = 1;
-    const double single = psnr(shoot(s, camera, settings).display, truth.display);
+    const double single = psnr(shoot(s, camera, settings).display, reference.display);
     settings.msaa = 4;
-    EXPECT_GT(psnr(shoot(s, camera, settings).display, truth.display), single - 0.5);
+    EXPECT_GT(psnr(shoot(s, camera, settings).display, reference.display), single - 0.5);
     EXPECT_GT(single, 20.0);
 }
 
@@ -79,13 +79,13 @@ TEST_F(DrawTest, ChartBordersAreNoWorseThanChartsInside)
     s.scene.lights = {lamp};
     // At level 0 no border shows. At level 1 the gutters are a lumel wide, which a cubic filter reaches
     // across: a chart beside it that is far brighter or darker may show by 4 steps. At coarser levels charts
-    // run into each other, and the object is shaded forward.
+    // merge, and the object is shaded forward.
     for (const auto& [pixelsPerChart, steps] :
          {std::pair(60.0f, 1.5f), std::pair(30.0f, 4.5f), std::pair(12.0f, 1.5f), std::pair(6.0f, 1.5f)}) {
         // Facing: the plane's 2 metres are kCharts charts.
         const float metresPerPixel = 2.0f / (pixelsPerChart * float(kCharts));
         const scene::Camera camera = cameraAt({0, 0, metresPerPixel * kPixels / (2.0f * std::tan(0.35f))});
-        const Picture truth = shoot(s, camera, settingsFor(Shading::reference, {kPixels, kPixels}));
+        const Picture reference = shoot(s, camera, settingsFor(Shading::reference, {kPixels, kPixels}));
         const Picture tsl = shoot(s, camera, settingsFor(Shading::tsl, {kPixels, kPixels}));
         ASSERT_EQ(tsl.stats.objectsTsl, pixelsPerChart >= 30.0f ? 1u : 0u);
         float border = 0.0f, inside = 0.0f;
@@ -97,7 +97,8 @@ TEST_F(DrawTest, ChartBordersAreNoWorseThanChartsInside)
                 const glm::vec2 away = glm::abs(chart - glm::round(chart)) * pixelsPerChart;
                 float& worst = std::min(away.x, away.y) < 1.0f ? border : inside;
                 for (int c = 0; c < 3; ++c)
-                    worst = std::max(worst, std::abs(tsl.display.at(x, y)[c] - truth.display.at(x, y)[c]));
+                    worst =
+                        std::max(worst, std::abs(tsl.display.at(x, y)[c] - reference.display.at(x, y)[c]));
             }
         EXPECT_GT(inside, 0.0f);
         EXPECT_LE(border, inside + steps / 255.0f) << pixelsPerChart << " pixels a chart";

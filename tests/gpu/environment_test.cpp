@@ -122,7 +122,7 @@ TEST_F(Environment, AShadowFollowsWhatCastsIt)
     EXPECT_GT(renderer.render(camera).lumelsLit, 0u);
     s.scene.objects[1].worldFromObject = place;
     EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, settings).display), 50.0);
-    // And the environment lights all anew when it changes.
+    // A changed environment makes everything be lit again.
     Settings brighter = settings;
     brighter.environmentIntensity = 2.0f;
     brighter.environmentRotation = 90.0f;
@@ -147,13 +147,13 @@ TEST_F(Environment, TextureSpaceIsCloseToTheReference)
     s.scene.lights = {sun({-1, -1, -1})};
     s.scene.environment = sky();
     const scene::Camera camera = cameraAt({0.5f, 0.8f, 4});
-    const Picture truth = shoot(s, camera, settingsFor(Shading::reference));
-    EXPECT_GT(psnr(shoot(s, camera, settingsFor(Shading::tsl)).display, truth.display), 33.0);
-    EXPECT_GT(psnr(shoot(s, camera, settingsFor(Shading::forward)).display, truth.display), 33.0);
+    const Picture reference = shoot(s, camera, settingsFor(Shading::reference));
+    EXPECT_GT(psnr(shoot(s, camera, settingsFor(Shading::tsl)).display, reference.display), 33.0);
+    EXPECT_GT(psnr(shoot(s, camera, settingsFor(Shading::forward)).display, reference.display), 33.0);
 }
 
 // A lobe fitted to sharp ones that point apart is weaker than they are together. What grooves of metal
-// reflect of even environment is all the same: near, where each flank is seen, and far.
+// reflect of a uniform environment is the same near, where each flank is visible, and far.
 TEST_F(Environment, RoughMetalsKeepTheirEnergy)
 {
     baker::Maps metal;

@@ -1,4 +1,4 @@
-// The luminance histogram of automatic exposure, and that looking changes nothing.
+// The luminance histogram of automatic exposure, and that metering changes no picture.
 #include "core/exposure.h"
 #include "scene/environment.h"
 #include "test_scene.h"
@@ -44,7 +44,7 @@ TEST_F(Exposure, TheHistogramIsThatOfThePicture)
             different += uint32_t(std::abs(int(histogram[bin]) - int(oracle[bin])));
         }
         EXPECT_GT(lit, 2000u);
-        EXPECT_LE(different, 4u) << lux; // products and sums may be fused: a pixel on the border of two bins
+        EXPECT_LE(different, 4u) << lux; // fused multiply-adds may move values across a bin's border
         EXPECT_EQ(automaticExposure(histogram), automaticExposure(oracle));
         EXPECT_EQ(needsExposure(histogram), lux > 10.0f);
     }
@@ -65,7 +65,7 @@ TEST_F(Exposure, EveryWayOfShadingMetersTheSame)
     }
 }
 
-TEST_F(Exposure, TheEnvironmentCountWhereTheyAreSeen)
+TEST_F(Exposure, TheEnvironmentCountsWhereItIsSeen)
 {
     TestScene s = bumpySphere(3.0f);
     s.scene.environment = std::make_shared<const scene::Environment>(scene::skyEnvironment());

@@ -211,7 +211,7 @@ struct ShinyPlane {
         light = sun(glm::reflect(glm::normalize(camera.eye), n));
     }
 
-    // Radiance of the sun's reflection in a pixel; nothing where the plane is not, or near its border.
+    // Radiance of the sun's reflection at a pixel; nothing where the plane is not, or near its border.
     std::optional<glm::vec3> reflected(glm::ivec2 pixel, glm::ivec2 size) const
     {
         const glm::vec3 forward = glm::normalize(camera.target - camera.eye);
@@ -244,7 +244,7 @@ struct ShinyPlane {
     }
 };
 
-// What the shaders make of it, axes and all: the picture under the sun less that with the sun behind the
+// The whole shader path, axes included: the picture under the sun less that with the sun behind the
 // plane.
 TEST_F(Formulas, LightEveryPixelOfATurnedAnisotropicSurface)
 {

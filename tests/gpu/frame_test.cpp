@@ -49,13 +49,13 @@ TEST_F(FrameTest, TextureSpaceAndForwardAgreeWithTheReferenceOnSmoothSurfaces)
 {
     const TestScene s = sphereScene(plainMaps());
     const scene::Camera camera = cameraAt({0.5f, 0.5f, 3.5f});
-    const Picture truth = shoot(s, camera, settingsFor(Shading::reference));
+    const Picture reference = shoot(s, camera, settingsFor(Shading::reference));
     const Picture tsl = shoot(s, camera, settingsFor(Shading::tsl));
     const Picture forward = shoot(s, camera, settingsFor(Shading::forward));
     EXPECT_GT(tsl.stats.objectsTsl, 0u);
     EXPECT_EQ(forward.stats.objectsTsl, 0u);
-    EXPECT_GT(psnr(tsl.display, truth.display), 36.0);
-    EXPECT_GT(psnr(forward.display, truth.display), 36.0);
+    EXPECT_GT(psnr(tsl.display, reference.display), 36.0);
+    EXPECT_GT(psnr(forward.display, reference.display), 36.0);
 }
 
 TEST_F(FrameTest, FarRoughSurfacesKeepTheReferencesBrightness)
@@ -68,10 +68,10 @@ TEST_F(FrameTest, FarRoughSurfacesKeepTheReferencesBrightness)
             sum += v;
         return sum / double(image.pixels.size());
     };
-    const Picture truth = shoot(s, camera, settingsFor(Shading::reference));
+    const Picture reference = shoot(s, camera, settingsFor(Shading::reference));
     const Picture tsl = shoot(s, camera, settingsFor(Shading::tsl));
-    EXPECT_NEAR(mean(tsl.radiance) / mean(truth.radiance), 1.0, 0.05);
-    EXPECT_GT(psnr(tsl.display, truth.display), 35.0);
+    EXPECT_NEAR(mean(tsl.radiance) / mean(reference.radiance), 1.0, 0.05);
+    EXPECT_GT(psnr(tsl.display, reference.display), 35.0);
 }
 
 TEST_F(FrameTest, TheSameSceneGivesTheSameBits)
@@ -159,7 +159,7 @@ TEST_F(FrameTest, AStillViewLightsNothingTwice)
     EXPECT_EQ(renderer.readRadiance().pixels, first.pixels);
 }
 
-TEST_F(FrameTest, AnOrbitLightsAPartAndStaysNearTheTruth)
+TEST_F(FrameTest, AnOrbitLightsAPartAndStaysNearTheReference)
 {
     const TestScene s = sphereScene(bumpyMaps(256, 1.0f, 100.0f));
     Renderer reusing(device(), s.scene, s.materials, settingsFor(Shading::tsl));
@@ -182,22 +182,22 @@ TEST_F(FrameTest, AnOrbitLightsAPartAndStaysNearTheTruth)
     }
     EXPECT_GT(lit, 0u);
     EXPECT_LT(lit, marked / 2);
-    const Picture truth = shoot(s, camera, settingsFor(Shading::reference));
-    EXPECT_LT(compareImages(reusing.readDisplay(), truth.display).rmse,
-              1.1 * compareImages(lightingAll.readDisplay(), truth.display).rmse);
+    const Picture reference = shoot(s, camera, settingsFor(Shading::reference));
+    EXPECT_LT(compareImages(reusing.readDisplay(), reference.display).rmse,
+              1.1 * compareImages(lightingAll.readDisplay(), reference.display).rmse);
 }
 
-TEST_F(FrameTest, AfterACutNothingIsLeftOfTheViewBefore)
+TEST_F(FrameTest, AfterACameraCutNothingOfThePreviousViewIsLeft)
 {
     const TestScene s = sphereScene(bumpyMaps(256, 1.0f, 100.0f));
     const scene::Camera before = cameraAt({2.6f, 0.5f, 1.5f}), after = cameraAt({0.0f, 0.5f, 3.0f});
     Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
     renderer.render(before);
     renderer.render(after);
-    const Picture truth = shoot(s, after, settingsFor(Shading::reference));
+    const Picture reference = shoot(s, after, settingsFor(Shading::reference));
     const Picture alone = shoot(s, after, settingsFor(Shading::tsl));
-    EXPECT_LT(compareImages(renderer.readDisplay(), truth.display).rmse,
-              1.1 * compareImages(alone.display, truth.display).rmse);
+    EXPECT_LT(compareImages(renderer.readDisplay(), reference.display).rmse,
+              1.1 * compareImages(alone.display, reference.display).rmse);
 }
 
 TEST_F(FrameTest, StatisticsNameEveryObjectsModeAndThePriceOfLargerTiles)
@@ -229,7 +229,7 @@ TEST_F(FrameTest, StatisticsNameEveryObjectsModeAndThePriceOfLargerTiles)
     EXPECT_GE(lumels.at(32), lumels.at(16));
 }
 
-TEST_F(FrameTest, AMovedLightOrObjectIsLitAnew)
+TEST_F(FrameTest, AMovedLightOrObjectIsRelit)
 {
     TestScene s = sphereScene(plainMaps());
     Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
@@ -249,7 +249,7 @@ TEST_F(FrameTest, AMovedLightOrObjectIsLitAnew)
     EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, settingsFor(Shading::tsl)).display), 45.0);
 }
 
-TEST_F(FrameTest, ALampOutOfReachLightsNothingAnew)
+TEST_F(FrameTest, ALightOutOfRangeRelightsNothing)
 {
     TestScene s = sphereScene(plainMaps());
     scene::Light lamp;

@@ -1,5 +1,5 @@
 // A white furnace: light of 1 from everywhere. White metals return it whatever their roughness, dielectrics
-// no more than it, in every way of shading, from environment and from lights. LUMEL_TABLE=1 prints what each
+// no more than it, in every shading, from an environment and from lights. LUMEL_TABLE=1 prints what each
 // sphere returns.
 #include "scene/environment.h"
 #include "shared/energy.h"
@@ -69,7 +69,7 @@ double returned(const Image& radiance, int column, bool metal)
 
 class Furnace : public GpuTest {
 protected:
-    // tolerance: for the smoothest metal, whose highlights of single lights are a pixel across; all others 2
+    // tolerance: for the smoothest metal, whose highlights of single lights are one pixel wide; all others 2
     // %.
     void expectAllReturned(const TestScene& s, const char* light, double tolerance)
     {
@@ -103,14 +103,14 @@ protected:
     }
 };
 
-TEST_F(Furnace, EnvironmentComeBack)
+TEST_F(Furnace, EnvironmentsAreReturned)
 {
     TestScene s = spheres();
     addEnvironment(s);
     expectAllReturned(s, "environment", 0.02);
 }
 
-TEST_F(Furnace, LightsFromEverywhereComeBack)
+TEST_F(Furnace, LightsFromEverywhereAreReturned)
 {
     TestScene s = spheres();
     addLights(s);

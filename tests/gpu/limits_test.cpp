@@ -1,4 +1,4 @@
-// What a device with small limits is refused for, from made-up limits: no device is asked.
+// Which limits make a device unsuitable, checked on invented limits: no device is queried.
 #include "gpu/limits.h"
 #include "renderer/demands.h"
 #include "shared/structs.h"

@@ -13,7 +13,7 @@ constexpr uint32_t kFrame = 20;
 constexpr uint32_t kGuard = 0xdeadbeef;
 constexpr uint32_t kMips = 8; // of 128 x 128 lumels; the last four are the tail, a tile each
 
-// Buffers of one frame's plan, all of them to be looked into by the CPU.
+// Buffers of one frame's plan, all readable by the CPU.
 class PlanShaders : public GpuTest {
 protected:
     template<class T>
@@ -61,7 +61,7 @@ protected:
             .mapped<shared::TileState>()[size_t(object) * tilesAnObject_ + data.tileOffsets[mip] + tile];
     }
 
-    // Room for so many marks, and for so many tiles in each of the jobs; guards follow.
+    // Capacities of the list of marks and of each job's list of tiles; guard words follow.
     void makeLists(uint32_t marks, const std::vector<uint32_t>& jobs)
     {
         plan_ = list<shared::Plan>(1);
@@ -140,7 +140,7 @@ protected:
                                         .divisor = 1.0f,
                                         .object = 0,
                                         .size = {samples, 1}};
-        // Object, UV, and half floats of 1/64: two lumels of 128 a pixel, along x and along y.
+        // Object, UV, and half floats of 1/64: two of 128 lumels per pixel, along x and along y.
         const vk::ClearColorValue sample(std::array<uint32_t, 4>{1u, 0u, 0x2400u, 0x24000000u});
         device().runOnce([&](vk::CommandBuffer commands) {
             gpu::imageBarrier(commands, seen.handle(), seen.aspect(), gpu::Use::undefined,
@@ -204,7 +204,7 @@ TEST_F(PlanShaders, JobsKeepToTheirLists)
     EXPECT_EQ(job(0).groups[0], 3u);
     for (uint32_t i = 3; i < 67; ++i)
         EXPECT_EQ(tiles_.mapped<shared::JobTile>()[i].tile.object, kGuard) << i;
-    // What found no room is still to be lit.
+    // Tiles beyond the capacity are still to be lit.
     uint32_t lit = 0;
     for (uint32_t i = 0; i < 8; ++i)
         lit += state(0, 0, i).lit == kFrame ? 1 : 0;

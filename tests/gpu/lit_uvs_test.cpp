@@ -9,7 +9,7 @@ using LitUvsTest = GpuTest;
 
 namespace {
 
-// Bumps under colours that differ in all four quarters of the map.
+// Bumps, with a different colour in each quarter of the map.
 baker::Maps patchedMaps(int size)
 {
     baker::Maps maps = bumpyMaps(size, 0.4f, 60.0f);
@@ -40,11 +40,12 @@ void expectClose(const TestScene& s, const scene::Camera& camera, double least, 
                  size_t inTextureSpace = 1)
 {
     SCOPED_TRACE(name);
-    const Picture truth = shoot(s, camera, settingsFor(Shading::reference));
+    const Picture reference = shoot(s, camera, settingsFor(Shading::reference));
     const Picture tsl = shoot(s, camera, settingsFor(Shading::tsl));
     const Picture forward = shoot(s, camera, settingsFor(Shading::forward));
     EXPECT_EQ(tsl.stats.objectsTsl, inTextureSpace);
-    const double lit = psnr(tsl.display, truth.display), direct = psnr(forward.display, truth.display);
+    const double lit = psnr(tsl.display, reference.display),
+                 direct = psnr(forward.display, reference.display);
     EXPECT_GT(lit, least) << "forward: " << direct;
     EXPECT_GT(lit, std::min(direct, 40.0) - 4.0);
 }

@@ -1,4 +1,4 @@
-// What lies behind cut-outs and blended surfaces is lit as finely as what lies beside them.
+// Surfaces behind alpha masks and blended surfaces are lit as finely as those beside them.
 #include "test_scene.h"
 #include <cmath>
 #include <fmt/format.h>
@@ -10,7 +10,7 @@ constexpr glm::uvec2 kSize{320, 180};
 constexpr float kMaskDistance = 0.5f; // above the floor
 constexpr int kTexels = 64;
 
-// A chess board of `cells` a side, as a chain: white is kept, black is cut out.
+// A chessboard of `cells` per side, as a MIP chain: white is kept, black is cut out.
 std::vector<Image> chessOpacity(int cells, int texels = kTexels)
 {
     std::vector<Image> chain;
@@ -31,7 +31,7 @@ std::vector<Image> chessOpacity(int cells, int texels = kTexels)
     return chain;
 }
 
-// A bumpy floor; in front of its left half a sheet of which a chess board is cut out.
+// A bumpy floor; in front of its left half a sheet with a chessboard cut out of it.
 TestScene sheetOverFloor(scene::AlphaMode mode, int cells)
 {
     static const TestScene floor = [] {

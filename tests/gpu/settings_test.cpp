@@ -1,4 +1,4 @@
-// A renderer whose settings change shows what a new one with these settings would.
+// A renderer whose settings change renders the same as a new one with these settings.
 #include "test_scene.h"
 
 namespace lumel::test {

@@ -1,4 +1,4 @@
-// The structs that C++ and GLSL share lie the same way in both: offsetof against the SPIR-V decorations.
+// The structs that C++ and GLSL share have the same layout in both: offsetof against the SPIR-V decorations.
 #include "gpu/pipeline.h"
 #include "shared/structs.h"
 #include <gtest/gtest.h>

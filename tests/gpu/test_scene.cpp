@@ -8,7 +8,7 @@ namespace lumel::test {
 
 namespace {
 
-// Given up before main() ends: at exit, validation layers and drivers are torn down in an order of their own.
+// Released before main() ends: at exit, validation layers and drivers are torn down in an unspecified order.
 std::unique_ptr<gpu::Device> sharedDevice;
 
 struct GivesDeviceUp : testing::Environment {

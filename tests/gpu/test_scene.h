@@ -20,7 +20,7 @@ protected:
 scene::Mesh planeMesh(int cells = 1);
 // The same plane, each quad a chart of its own somewhere else in texture space, `gutter` from its neighbours.
 scene::Mesh patchworkMesh(int cells, float gutter);
-// Unit sphere by latitude and longitude, unique UVs.
+// Unit sphere of rings and segments, unique UVs.
 scene::Mesh sphereMesh(int rows = 24, int columns = 48);
 
 struct TestScene {

@@ -1,4 +1,4 @@
-// What is uploaded may be read by any shader at once: synchronization validation judges.
+// Any shader may read an upload at once, as synchronization validation checks.
 #include "gpu/barrier.h"
 #include "gpu/pipeline.h"
 #include "gpu/resource.h"

@@ -49,7 +49,7 @@ TEST_F(Judge, EmissionThatIsNotSquare)
     expectAgreement("emission-flat", subject);
 }
 
-// Under environment, since occlusion dims nothing else.
+// Under an environment, since occlusion dims nothing else.
 void occlusion(const char* name, int baseSize, int size)
 {
     Subject subject;
@@ -140,7 +140,7 @@ TEST_F(Judge, BlendSmallerThanTheNormals)
 
 constexpr Shading kShadings[] = {Shading::reference, Shading::forward, Shading::tsl};
 
-// A dark constant colour with an emission finer than a pixel.
+// A dark constant colour with an emission map finer than the pixels.
 TEST_F(Judge, EveryShadingShowsFineEmission)
 {
     for (const Shading shading : kShadings) {
@@ -156,7 +156,7 @@ TEST_F(Judge, EveryShadingShowsFineEmission)
     }
 }
 
-// The same where lumels lie elsewhere than the maps do: these repeat, and emissive has UVs of its own.
+// The same where lumels lie elsewhere than the maps do: these repeat, and emission has UVs of its own.
 TEST_F(Judge, EveryShadingShowsFineEmissionOnItsOwnUvs)
 {
     for (const Shading shading : kShadings) {

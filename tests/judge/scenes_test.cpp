@@ -75,7 +75,7 @@ TEST_F(Judge, ShadowsOfCutOuts)
     expectAgreement("cut-out-shadows", subject, {.shadows = true});
 }
 
-// A channel of an animation with one key a second.
+// A channel of an animation with one key per second.
 void animate(Subject& subject, int node, const char* path, const std::vector<float>& values, const char* type,
              size_t components, const char* interpolation = "LINEAR")
 {

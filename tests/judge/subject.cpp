@@ -60,8 +60,8 @@ Image rendered(const std::filesystem::path& file, const Look& look)
     return renderer.readDisplay();
 }
 
-// Without environment the renderer fills shadows with a sky of 4 % of the brightest sun, a third of it from
-// below.
+// Without an environment the renderer fills shadows with a sky of 4 % of the brightest sun, a third of it
+// from below.
 glm::vec3 skyOf(const json& root)
 {
     float brightest = 0.0f;

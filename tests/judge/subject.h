@@ -1,4 +1,4 @@
-// Small glTF files of one subject each, and what the renderer and the judge make of them.
+// Small glTF files of one subject each, rendered by the renderer and by the judge.
 #pragma once
 #include "gltf_builder.h"
 #include "test_scene.h"
@@ -19,8 +19,8 @@ struct Shape {
 
 // [-1, 1]^2 at z = 0, facing +z; uv (0, 0) at the upper left.
 Shape sheet(int cells = 1);
-// Of radius 1, by latitude and longitude; the second UVs are the first turned by a right angle, which are
-// unique too.
+// A sphere of radius 1, of rings and segments; the second UVs are the first turned by a right angle, which
+// are unique too.
 Shape ball(int rows = 32, int columns = 64);
 
 // Random colours in a grid of cells; alpha 0 or 1. The same for the same seed.
@@ -30,7 +30,7 @@ Image holes(int size, int cells, uint32_t seed);
 // Normals of random smooth bumps, up to 45 degrees steep.
 Image bumps(int size, uint32_t seed);
 
-// A glTF file in the making. It starts with a camera that sees the unit ball, and one sun and one lamp.
+// Builds a glTF file. It starts with a camera that sees the unit ball, and one sun and one lamp.
 class Subject {
 public:
     explicit Subject(bool lit = true);
@@ -71,7 +71,7 @@ struct Verdict {
 };
 Verdict judged(Subject& subject, const Look& look = {});
 
-// That the picture is what the judge says, to 40 dB. What is not leaves its pictures in out/judge.
+// Expects the renderer's picture to match the judge's to 40 dB; else both are kept in out/judge.
 void expectAgreement(const std::string& name, Subject& subject, const Look& look = {},
                      double leastPsnr = 40.0);
 

@@ -160,7 +160,7 @@ TEST_F(Judge, Mirrored)
     }
 }
 
-// Half a tube that is open to the eye: its outside on the right, its inside on the left.
+// Half a tube that opens towards the eye: its outside on the right, its inside on the left.
 Shape trough()
 {
     Shape shape = sheet(24);

@@ -1,4 +1,4 @@
-// The viewer as it is used: a real window on an X server, real keys and mouse, a real drop.
+// The viewer in use: a real window on an X server, real keys and mouse, a real drop.
 #include "../cli/inputs.h"
 #include "../cli/program.h"
 #include "core/image.h"
@@ -209,7 +209,7 @@ TEST_F(View, PlaysAnimationsAndCopiesTheirSecond)
     const Image first = screenshot(); // equal to what its command renders, --time included
     EXPECT_NE(readText(folder_ / "lumel-001.txt").find("--time "), std::string::npos);
     pause(300);
-    EXPECT_NE(screenshot().pixels, first.pixels); // it goes on
+    EXPECT_NE(screenshot().pixels, first.pixels); // it continues
     display->key("p");
     pause(300);
     const Image stopped = screenshot();
@@ -234,7 +234,7 @@ TEST_F(View, AutomaticExposureIsANumberInTheCopiedCommand)
     const float middle = *picture.at(picture.width / 2, picture.height / 2);
     EXPECT_GT(middle, 0.3f);
     EXPECT_LT(middle, 0.8f);
-    display->drag(window, 1, 100, 100, 220, 100); // turns: another exposure, by and by
+    display->drag(window, 1, 100, 100, 220, 100); // turns: the exposure adapts
     pause(1500);
     screenshot();
     display->key("q", {"Control_L"});
@@ -268,7 +268,7 @@ TEST_F(View, TakesDropsAndKeepsTheOldSceneWhenOneFails)
     EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
 }
 
-TEST_F(View, StandsAStormOfSizes)
+TEST_F(View, SurvivesManyResizes)
 {
     start({"first.gltf", "--size", "700x300", "--validate", "--split"});
     const Window window = display->find("first.gltf - Lumel");
@@ -277,7 +277,7 @@ TEST_F(View, StandsAStormOfSizes)
     for (int i = 0; i < 100; ++i) {
         display->resize(window, 420 + 37 * (i % 11), 250 + 23 * (i % 7));
         pause(20);
-        if (i % 25 == 24) { // out of sight and back
+        if (i % 25 == 24) { // off screen and back
             display->show(window, false);
             display->show(window, true);
         }

@@ -15,7 +15,7 @@ namespace {
 using Vec3 = glm::dvec3;
 
 constexpr uint32_t kNone = ~0u;
-constexpr double kGrowCosine = 0.82; // 35 degrees from the running mean: leaves room for the mean to move
+constexpr double kGrowCosine = 0.82; // 35 degrees from the running mean: leaves a margin for the mean to move
 
 Vec3 unit(Vec3 v)
 {

@@ -153,7 +153,7 @@ void addChart(const Mesh& mesh, const Chart& chart, const FlatChart& flat, const
         }
 }
 
-// Triangles without area shrink to a point, that of a corner which belongs to a chart: should a pixel meet
+// Triangles without area shrink to a point, that of a corner which belongs to a chart: should a sample hit
 // one, it shows its neighbour.
 void placeThin(const Mesh& mesh, Unwrapping& out)
 {
@@ -193,7 +193,7 @@ Unwrapping unwrap(const Mesh& mesh)
         flat.push_back(flattenEvenly(mesh, chart));
     const Packing packing = packCharts(flat);
     if (packing.scale == 0.0)
-        throw Error(fmt::format("no room for {} charts", charts.size()));
+        throw Error(fmt::format("{} charts do not fit", charts.size()));
 
     Unwrapping out;
     out.indices.assign(mesh.indices.size(), kUnplaced);

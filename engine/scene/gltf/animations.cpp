@@ -30,12 +30,12 @@ Track readTrack(const Reader& reader, const tinygltf::AnimationSampler& sampler,
     track.seconds = readFloats(reader, sampler.input, 1, Storage::floatOnly, "an animation's times");
     for (size_t i = 1; i < track.seconds.size(); ++i)
         if (!(track.seconds[i] > track.seconds[i - 1]))
-            reader.fail("an animation's times do not rise");
+            reader.fail("an animation's times do not increase");
     const std::vector<float> read =
         readFloats(reader, sampler.output, components, storage, "an animation's values");
     const size_t each = track.interpolation == Interpolation::cubicSpline ? 3 : 1;
     if (read.size() != track.seconds.size() * each * values * size_t(components))
-        reader.fail("an animation has not as many values as times");
+        reader.fail("an animation has a different number of values and times");
     track.values.resize(read.size() / size_t(components), glm::vec4(0.0f));
     for (size_t i = 0; i < read.size(); ++i)
         track.values[i / size_t(components)][int(i % size_t(components))] = read[i];

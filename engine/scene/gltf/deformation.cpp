@@ -1,4 +1,4 @@
-// What bends a mesh: its vertices' joints and weights, and its morph targets.
+// What deforms a mesh: its vertices' joints and weights, and its morph targets.
 #include "reader.h"
 #include "scene/vertex_frames.h"
 #include <array>
@@ -57,7 +57,7 @@ public:
 
 private:
     // Weights are made to sum to 1 (glTF 2.0, section 3.7.3.3, wants them so); negative ones count for
-    // nothing. A vertex that no joint has a say in follows the first.
+    // nothing. A vertex that no joint influences follows the first.
     std::vector<shared::Influence> influencesOf(uint32_t vertex) const
     {
         std::vector<shared::Influence> found;

@@ -197,7 +197,7 @@ void DocumentReader::checkExtensions()
             fail(fmt::format("{} is not an array", key));
         for (const Json& name : *array) {
             if (!name.is_string())
-                fail(fmt::format("{} holds something else than names", key));
+                fail(fmt::format("{} must hold names only", key));
             list.push_back(name);
         }
         return list;
@@ -223,7 +223,7 @@ std::vector<const Json*> DocumentReader::objects(const char* key) const
         fail(fmt::format("{} is not an array", key));
     for (const Json& element : *array) {
         if (!element.is_object())
-            fail(fmt::format("{} holds something else than objects", key));
+            fail(fmt::format("{} must hold objects only", key));
         list.push_back(&element);
     }
     return list;
@@ -271,7 +271,7 @@ void DocumentReader::readBuffers()
         }
         if (const auto uri = buffer->find("uri"); uri != buffer->end()) {
             if (!uri->is_string())
-                fail(fmt::format("buffer {} has a URI that is no text", index));
+                fail(fmt::format("buffer {} has a URI that is not a string", index));
             bytes = bytesOfUri(*uri, name);
         } else if (index == 0 && binaryChunk_) {
             bytes.assign(binaryChunk_->begin(), binaryChunk_->end());

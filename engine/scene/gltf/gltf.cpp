@@ -87,7 +87,7 @@ Scene loadGltf(const std::filesystem::path& file)
     try {
         reader.document = readDocument(file);
         return readScene(reader, file);
-    } catch (const std::bad_alloc&) { // the limits above leave room for more than some machines have
+    } catch (const std::bad_alloc&) { // the limits above allow more than some machines have
         reader.fail("needs more memory than there is", "split the model");
     }
 }

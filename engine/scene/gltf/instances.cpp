@@ -37,7 +37,8 @@ private:
         if (!attributes_.Has(name))
             return {};
         if (!attributes_.Get(name).IsInt())
-            reader_.fail(fmt::format("the instances of node {} have a {} that is no accessor", node_, name));
+            reader_.fail(
+                fmt::format("the instances of node {} have a {} that is not an accessor", node_, name));
         const int accessor = attributes_.Get(name).GetNumberAsInt();
         const size_t count = accessorCount(reader_, accessor);
         if (count > kMaxObjects)

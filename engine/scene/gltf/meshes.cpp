@@ -163,7 +163,7 @@ void readTriangles(Reader& reader, const tinygltf::Primitive& primitive, Mesh& m
         std::iota(indices.begin(), indices.end(), 0u);
     }
     if (primitive.mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0)
-        reader.fail(fmt::format("mesh '{}' has {} indices, no multiple of 3", mesh.name, indices.size()));
+        reader.fail(fmt::format("mesh '{}' has {} indices, not a multiple of 3", mesh.name, indices.size()));
     mesh.indices = triangleList(indices, primitive.mode);
 }
 

@@ -1,4 +1,4 @@
-// Which meshes bend, and by what: skins of joints, and weights of morph targets.
+// Which meshes deform, and by what: skins of joints, and weights of morph targets.
 #include "skins.h"
 
 namespace lumel::scene {
@@ -31,9 +31,10 @@ int DeformedMeshReader::add(const tinygltf::Node& node, int nodeIndex, int mesh)
     vertices_ += source.vertices.size();
     weights_ += deformed.weights.size();
     if (vertices_ > kMaxDeformedVertices || weights_ > kMaxMorphWeights)
-        reader_.fail(fmt::format("skins and morph targets bend more than {} vertices by more than {} weights",
-                                 kMaxDeformedVertices, kMaxMorphWeights),
-                     "split the model");
+        reader_.fail(
+            fmt::format("skins and morph targets deform more than {} vertices by more than {} weights",
+                        kMaxDeformedVertices, kMaxMorphWeights),
+            "split the model");
     scene_.deformed.push_back(std::move(deformed));
     return entry->second;
 }
@@ -116,7 +117,7 @@ void DeformedMeshReader::finish(const std::vector<std::optional<PlacedNode>>& pl
             deformed.weights);
         const glm::vec3 size = deformed.bounds.upper - deformed.bounds.lower;
         if (!std::isfinite(size.x + size.y + size.z))
-            reader_.fail(fmt::format("mesh '{}' is deformed to where nothing is finite", mesh.name));
+            reader_.fail(fmt::format("mesh '{}' has skinned vertices that are not finite", mesh.name));
     }
 }
 

@@ -1,4 +1,4 @@
-// Collects the meshes that bend while the nodes are read.
+// Collects the meshes that deform while the nodes are read.
 #pragma once
 #include "reader.h"
 #include <optional>
@@ -19,9 +19,9 @@ public:
     {
     }
 
-    // In Scene::deformed for a mesh of the scene under this node, -1 where nothing bends it.
+    // In Scene::deformed for a mesh of the scene under this node, -1 where nothing deforms it.
     int add(const tinygltf::Node& node, int nodeIndex, int mesh);
-    // Joints may come after what they bend: call when all nodes have been placed.
+    // Joints may come after what they deform: call when all nodes have been placed.
     void finish(const std::vector<std::optional<PlacedNode>>& placed);
 
 private:

@@ -11,9 +11,9 @@ const tinygltf::Value& extensionOf(const tinygltf::Material& material, const cha
     return found == material.extensions.end() ? none : found->second;
 }
 
-float numberOf(const tinygltf::Value& values, const char* name, float usual)
+float numberOf(const tinygltf::Value& values, const char* name, float fallback)
 {
-    return values.Has(name) ? float(values.Get(name).GetNumberAsDouble()) : usual;
+    return values.Has(name) ? float(values.Get(name).GetNumberAsDouble()) : fallback;
 }
 
 glm::vec4 coloursOf(const tinygltf::Value& values, const char* name, int count)
@@ -32,7 +32,7 @@ void readSpecularGlossiness(const tinygltf::Model& model, const tinygltf::Value&
     out.baseColour = readTexture(model, values, "diffuseTexture", Encoding::srgb);
     out.metallicRoughness = readTexture(model, values, "specularGlossinessTexture", Encoding::srgb);
     out.factors.specularColour = coloursOf(values, "specularFactor", 3);
-    out.factors.roughness = numberOf(values, "glossinessFactor", 1.0f); // until the texture has its say
+    out.factors.roughness = numberOf(values, "glossinessFactor", 1.0f); // before the texture
     out.factors.specularGlossiness = true;
 }
 

@@ -25,7 +25,7 @@ struct Material {
     glm::vec3 normalAt(const glm::dvec2 uv[2]) const; // in the tangent frame, unit
     float occlusionAt(const glm::dvec2 uv[2]) const;
     glm::vec3 emissionAt(const glm::dvec2 uv[2]) const;
-    // Where the tangents are to come from when the file has none.
+    // Where tangents come from when the file has none.
     const Texture& tangentTexture() const;
 };
 

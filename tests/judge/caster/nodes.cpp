@@ -37,9 +37,10 @@ glm::dmat4 localTransform(const tinygltf::Node& node, int index, const Animated&
             m[i / 4][i % 4] = node.matrix[size_t(i)];
         return m;
     }
-    const auto property = [&](const char* path, const std::vector<double>& own, std::vector<double> usual) {
+    const auto property = [&](const char* path, const std::vector<double>& own,
+                              std::vector<double> fallback) {
         const auto found = animated.find({index, path});
-        return found != animated.end() ? found->second : own.empty() ? usual : own;
+        return found != animated.end() ? found->second : own.empty() ? fallback : own;
     };
     const auto t = property("translation", node.translation, {0, 0, 0});
     const auto r = property("rotation", node.rotation, {0, 0, 0, 1});

@@ -75,7 +75,7 @@ public:
     {
     }
 
-    // Radiance along a ray, through whatever blends.
+    // Radiance along a ray, through blended surfaces.
     glm::vec3 radianceAlong(const Ray& ray) const
     {
         glm::vec3 sum(0.0f);
@@ -100,7 +100,7 @@ public:
     const Camera& camera() const { return model_.camera; }
 
 private:
-    // Neither a back face, unless both sides are to be seen, nor cut out.
+    // Neither a back face of a single-sided surface nor cut out.
     bool isSeen(const Hit& hit, const Ray& ray) const
     {
         const Material& material = model_.materials[size_t(hit.triangle->material)];
@@ -181,8 +181,8 @@ private:
     BoxTree tree_;
 };
 
-// Where the i-th of so many rays meets a pixel, in [0, 1): the Hammersley set (Niederreiter 1992), not the
-// sequence that the renderer uses.
+// Where the i-th of `rays` rays crosses its pixel, in [0, 1): the Hammersley set (Niederreiter 1992), not
+// the sequence that the renderer uses.
 glm::dvec2 placeOfRay(int i, int rays)
 {
     double mirrored = 0.0, digit = 0.5;

@@ -31,7 +31,7 @@ Texels decode(const tinygltf::Image& image, Encoding encoding)
     return texels;
 }
 
-// The texel that index i means, in an axis of so many.
+// Wraps index i along an axis of `size` texels.
 int wrapped(int i, int size, int mode)
 {
     if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE)
@@ -46,9 +46,9 @@ int wrapped(int i, int size, int mode)
 // does (the sign of its GLSL fragment leaves the image).
 glm::dmat3 transformOf(const tinygltf::Value& values)
 {
-    const auto pair = [&](const char* name, glm::dvec2 usual) {
+    const auto pair = [&](const char* name, glm::dvec2 fallback) {
         if (!values.Has(name))
-            return usual;
+            return fallback;
         return glm::dvec2(values.Get(name).Get(0).GetNumberAsDouble(),
                           values.Get(name).Get(1).GetNumberAsDouble());
     };

@@ -55,7 +55,7 @@ TEST(Bake, FlatInputReturnsItselfExactlyOnAllLevels)
         }
 }
 
-TEST(Bake, StatedErrorIsTheTrueOne)
+TEST(Bake, StatedErrorIsTheActualError)
 {
     const ReflectanceMips mips = bake(normalMaps(noiseNormals(16, 16, 0.15f, 11), 100.0f), {});
     for (size_t l = 1; l < mips.levels.size(); ++l) {
@@ -102,7 +102,7 @@ TEST(Bake, RecordsKeepTheirGroovesFarAway)
     for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x) {
             const float r = std::hypot(float(x) - 0.5f * n, float(y) - 0.5f * n);
-            *height.at(x, y) = std::cos(6.2831853f * r / 7.0f); // seven texels a groove
+            *height.at(x, y) = std::cos(6.2831853f * r / 7.0f); // seven texels per groove
         }
     // Slopes of 0.32 rms: height * 2 pi / 7 * n / sqrt 2.
     const ReflectanceMips mips = bake(heightMaps(height, 0.5f / float(n), 120.0f), {});
@@ -195,7 +195,7 @@ TEST(Bake, ThreadsAndRepetitionChangeNothing)
         EXPECT_EQ(a.levels[l].texels, b.levels[l].texels) << "level " << l;
 }
 
-// What real bakes report, as the first half of a larger job: neither less nor more than half of it.
+// Real bakes as the first half of a larger job report exactly half of its progress.
 TEST(Bake, ProgressReachesItsTotal)
 {
     struct Case {

@@ -1,5 +1,5 @@
 // No method is better than the fit, whatever the map: E(Ashikhmin-Shirley fit) <= E(Blinn-Phong fit) <= E of
-// every closed form with the Ks that serves it best. A Blinn-Phong lobe stands against the closed forms that
+// every closed form with the Ks of least error. A Blinn-Phong lobe stands against the closed forms that
 // are isotropic too; an anisotropic one (LEAN's, or any over anisotropic lobes) may be better than it.
 #include "maps.h"
 #include "oracle.h"
@@ -114,7 +114,7 @@ TEST(Invariants, HoldOverRandomMaps)
 // The same by brute force: errors and best Ks summed by the oracle over a dense grid.
 TEST(Invariants, HoldByBruteForce)
 {
-    constexpr int kCells = 128; // a side: half a deviation of the narrowest lobe apart
+    constexpr int kCells = 128; // per side: half a deviation of the narrowest lobe apart
     for (const unsigned seed : {1u, 4u, 8u, 11u}) {
         Maps maps = randomMap(seed, 8);
         for (float& power : maps.power.pixels)
@@ -167,7 +167,7 @@ TEST(Invariants, HoldOverLongLobes)
     expectStatedOrder(turned, "turned long lobes");
 }
 
-// What closed forms are judged by: with the best Ks, no other Ks gives less error.
+// The best Ks of closed forms: no other Ks gives less error.
 TEST(Invariants, BestKsIsTheProjection)
 {
     const Maps maps = randomMap(8, 8);

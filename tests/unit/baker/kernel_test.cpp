@@ -153,7 +153,7 @@ TEST(Kernel, MixtureSearchesEndInAMinimum)
     }
 }
 
-// More jobs than lanes, of unlike sizes: lanes are refilled, and no job may see another's nodes.
+// More jobs than lanes, of different sizes: lanes are refilled, and no job may see another's nodes.
 TEST(Kernel, AllInstructionSetsAgreeOnAQueueOfJobs)
 {
     constexpr unsigned kJobs = 45;
@@ -172,7 +172,7 @@ TEST(Kernel, AllInstructionSetsAgreeOnAQueueOfJobs)
                 SearchSettings settings;
                 settings.isotropic = isotropic;
                 std::vector<float> memory = scratch();
-                std::fill(memory.begin(), memory.end(), std::nanf("")); // what was there before is no matter
+                std::fill(memory.begin(), memory.end(), std::nanf("")); // previous contents must not matter
                 const auto search = [&](const Kernels& k) { return exact ? k.minimise : k.minimiseMixtures; };
                 search (*set)(jobs.data(), kJobs, settings, memory.data());
                 for (unsigned seed = 0; seed < kJobs; ++seed) {

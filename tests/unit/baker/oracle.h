@@ -1,5 +1,5 @@
 // An independent, slow evaluation of the error of a texel: plain double precision, a dense grid over the
-// disc, the lobe as the design writes it. Shares no code with the baker.
+// disc, the lobe from its definition. Shares no code with the baker.
 #pragma once
 #include "baker/bake.h"
 #include <cmath>

@@ -37,7 +37,7 @@ TEST(Reconstruction, TentSharesSumToOneAtAnySize)
                 }
 }
 
-// Two texels a tent flank: 1/8, 3/8, 3/8, 1/8 of a row, whatever path a level takes.
+// Two texels per flank of the tent: 1/8, 3/8, 3/8, 1/8 of a row, whatever path a level takes.
 TEST(Reconstruction, LevelsAverageUnderTheTent)
 {
     const int n = 64;

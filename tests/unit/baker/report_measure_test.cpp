@@ -37,7 +37,7 @@ double oracleError(const ReflectanceMips& mips, const ReflectanceMips& stored, s
     return oracleSums(lobesUnder(mips, level, x, y), oracleLobe(t), 300).relativeError(t[kKsR]);
 }
 
-// The page without its pictures, whose letters may spell anything.
+// The page without its pictures, whose base64 may spell anything.
 std::string textOf(const Report& report)
 {
     std::string page = reportHtml(report);
@@ -120,7 +120,7 @@ TEST(ReportMeasure, BakedClosedFormsAreNamedByTheirKs)
     }
 }
 
-// Diffuse errors against sums over a dense grid of lights, written anew.
+// Diffuse errors against sums over a dense grid of lights, implemented independently.
 TEST(ReportMeasure, DiffuseErrorsAreThoseOfBruteForce)
 {
     Maps maps = normalMaps(noiseNormals(16, 16, 0.6f, 5), 60.0f);

@@ -1,4 +1,4 @@
-// Inputs at the edges: each has a defined outcome.
+// Edge cases of the input: each has a defined result.
 #include "core/error.h"
 #include "maps.h"
 #include "shared/limits.h"

@@ -54,7 +54,7 @@ TEST(Talk, ThirtyTwoPowerOverRoughBumpsGivesAboutFive)
     EXPECT_GT(meanPower(smooth.levels[2]), 25.0);
 }
 
-TEST(Talk, RoughSurfacesKeepHalfToSeventyPercentOfThePowerALevel)
+TEST(Talk, RoughSurfacesKeepHalfToSeventyPercentOfThePowerPerLevel)
 {
     const ReflectanceMips mips = bake(heightMaps(fractal(128, 0.52f), 0.012f, 200.0f), blinnPhong());
     for (size_t l = 1; l <= 4; ++l) {

@@ -114,7 +114,7 @@ TEST(CompareRuns, PairsByWhatWasMeasured)
         Error);
 }
 
-TEST(CsvOf, HasALineAFrameAndAsManyFieldsInEach)
+TEST(CsvOf, HasALinePerFrameAndAsManyFieldsInEach)
 {
     const std::string csv = csvOf(runsOf(document({runJson("tsl", 5, 3), runJson("forward", 6, 2)})));
     std::istringstream lines(csv);

@@ -54,15 +54,15 @@ struct Decoding : testing::Test {
     static Image decodedHere(const fs::path& file)
     {
         const auto bytes = readFile(file);
-        std::vector<std::byte> room;
+        std::vector<std::byte> storage;
         DecodeRequest request;
         request.namedTga = file.extension() == ".tga";
         const DecodedShape shape = decode(bytes, request, [&](const DecodedShape& known) {
-            room.resize(known.samples() * bytesOf(known.type));
-            return room.data();
+            storage.resize(known.samples() * bytesOf(known.type));
+            return storage.data();
         });
         Image image(shape.width, shape.height, shape.channels);
-        toFloats(room.data(), shape.type, image.pixels);
+        toFloats(storage.data(), shape.type, image.pixels);
         return image;
     }
     // By OpenImageIO's own conversion to floats.
@@ -117,7 +117,7 @@ TEST_F(Decoding, SeveralImagesAtOnceAreNotMixedUp)
     EXPECT_EQ(good, 3 * int(files.size()));
 }
 
-// Two that work for ever do not keep a third from being decoded.
+// Two that never end do not keep a third from being decoded.
 TEST_F(Decoding, OneImageDoesNotWaitForAnother)
 {
     test::writeImageFile(folder / "a.png", 16, 16);

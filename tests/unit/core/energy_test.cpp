@@ -1,4 +1,4 @@
-// Nothing is lost: a white furnace, and spheres as bright as with GGX.
+// Energy is conserved: a white furnace, and spheres as bright as with GGX.
 #include "core/image.h"
 #include "ggx_reference.h"
 #include "shared/energy.h"

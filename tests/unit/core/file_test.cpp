@@ -64,7 +64,7 @@ TEST_F(Files, ThatCannotBeReadAreNamed)
 {
     for (const fs::path& file : {folder / "missing", folder})
         EXPECT_TRUE(contains(errorOf([&] { readFile(file); }), file.string()));
-    // A pipe would wait for ever.
+    // A pipe would block.
     ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
     EXPECT_TRUE(contains(errorOf([&] { readFile(folder / "pipe"); }), "not a regular file"));
     std::ofstream(folder / "large") << "12345";
@@ -165,7 +165,7 @@ TEST(ContentHash, BothHalvesChange)
     EXPECT_NE(a.substr(0, 16), a.substr(16));
 }
 
-TEST(ContentHash, TextsDoNotRunIntoEachOther)
+TEST(ContentHash, NeighbouringTextsStaySeparate)
 {
     const std::string ab = "ab", c = "c", a = "a", bc = "bc";
     EXPECT_NE(ContentHash().add(ab).add(c).hex(), ContentHash().add(a).add(bc).hex());

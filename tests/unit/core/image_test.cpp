@@ -186,7 +186,7 @@ TEST_F(Images, BombsAreRefusedBeforeMemoryIsTaken)
 
 TEST(Srgb, AgreesWithTheStandard)
 {
-    // IEC 61966-2-1: both branches, their joint, and a value of the usual tables.
+    // IEC 61966-2-1: both branches, their joint, and a value of published tables.
     EXPECT_EQ(srgbToLinear(0.0f), 0.0f);
     EXPECT_FLOAT_EQ(srgbToLinear(1.0f), 1.0f);
     EXPECT_NEAR(srgbToLinear(188.0f / 255.0f), 0.502886f, 1e-5f);

@@ -197,11 +197,11 @@ TEST_F(AnimatedGltf, DamagedOnesAreRefused)
     damage("channels", 0, "target", {{"node", 44}, {"path", "translation"}}, "node 44");
     damage("channels", 0, "target", {{"node", 1}, {"path", "translation"}}, "has a matrix");
     damage("samplers", 0, "interpolation", "WOBBLE", "unknown interpolation");
-    damage("samplers", 0, "interpolation", "CUBICSPLINE", "as many values");
+    damage("samplers", 0, "interpolation", "CUBICSPLINE", "different number of values");
     damage("samplers", 0, "input", 99, "accessor 99");
     damage("samplers", 0, "output", good["samplers"][1]["output"], "wrong type");
-    damage("samplers", 0, "input", gltf.floats({1, 1}, "SCALAR", 1), "do not rise");
-    damage("samplers", 0, "input", gltf.floats({0, 1, 2}, "SCALAR", 1), "as many values");
+    damage("samplers", 0, "input", gltf.floats({1, 1}, "SCALAR", 1), "do not increase");
+    damage("samplers", 0, "input", gltf.floats({0, 1, 2}, "SCALAR", 1), "different number of values");
     damage("samplers", 0, "output", gltf.floats({0, 0, 0, NAN, 0, 0}, "VEC3", 3), "not finite");
 }
 

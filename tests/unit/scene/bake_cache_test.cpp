@@ -191,20 +191,20 @@ TEST_F(BakeKeys, FollowImagesAndOptionsButNotThreadsAndNames)
         return BakeCache(scene, options).inputKey(full);
     };
     const auto key = [&](const MaterialOptions& options) { return BakeCache(scene, options).key(maps, {}); };
-    const MaterialOptions usual, threads{.threads = 3}, lean{.method = baker::Method::lean};
-    EXPECT_EQ(inputKey(usual), inputKey(threads));
-    EXPECT_EQ(key(usual), key(threads));
-    EXPECT_NE(inputKey(usual), inputKey(lean));
-    EXPECT_NE(key(usual), key(lean));
+    const MaterialOptions defaults, threads{.threads = 3}, lean{.method = baker::Method::lean};
+    EXPECT_EQ(inputKey(defaults), inputKey(threads));
+    EXPECT_EQ(key(defaults), key(threads));
+    EXPECT_NE(inputKey(defaults), inputKey(lean));
+    EXPECT_NE(key(defaults), key(lean));
     Material renamed = full;
     renamed.name = "another";
-    EXPECT_EQ(BakeCache(scene, usual).inputKey(renamed), inputKey(usual));
-    const std::string before = inputKey(usual);
+    EXPECT_EQ(BakeCache(scene, defaults).inputKey(renamed), inputKey(defaults));
+    const std::string before = inputKey(defaults);
     std::swap(scene.images[0], scene.images[1]);
-    EXPECT_NE(inputKey(usual), before);
+    EXPECT_NE(inputKey(defaults), before);
     std::swap(scene.images[0], scene.images[1]);
     scene.images[2].bytes.back() ^= std::byte(1);
-    EXPECT_NE(inputKey(usual), before);
+    EXPECT_NE(inputKey(defaults), before);
 }
 
 } // namespace

@@ -12,7 +12,7 @@ namespace {
 
 using glm::vec3;
 
-// Sums f(direction) over equal shares of latitude and longitude, by solid angle.
+// Sums f(direction) over equal steps of elevation and azimuth, by solid angle.
 template<class F>
 vec3 integrate(int rows, F f)
 {
@@ -87,15 +87,15 @@ TEST(Environment, DiffuseIsTheIntegralOfTheSky)
     const shared::EnvironmentView view = viewOf(sky());
     for (const vec3 n : {vec3(0, 1, 0), vec3(0, -1, 0), vec3(1, 0, 0), vec3(0, 0, -1),
                          glm::normalize(vec3(1, 1, 1)), glm::normalize(vec3(-1, 0.3f, 0.5f))}) {
-        const vec3 truth = integrate(256, [&](vec3 d) {
+        const vec3 expected = integrate(256, [&](vec3 d) {
             return lookUp(sky(), d, 0.0f) * std::max(glm::dot(d, n), 0.0f) / shared::kPi;
         });
         // Nine coefficients leave 1 % on average and 9 % at most (Ramamoorthi and Hanrahan, section 3).
-        EXPECT_LT(glm::length(shared::environmentDiffuse(view, n) - truth), 0.04f * glm::length(truth));
+        EXPECT_LT(glm::length(shared::environmentDiffuse(view, n) - expected), 0.04f * glm::length(expected));
     }
 }
 
-TEST(Environment, ConstantEnvironmentStayConstant)
+TEST(Environment, ConstantMapsStayConstant)
 {
     Image grey(64, 32, 3);
     std::fill(grey.pixels.begin(), grey.pixels.end(), 0.5f);
@@ -135,10 +135,10 @@ TEST(Environment, ReflectsAsMuchAsLightsFromEverywhereDo)
             const vec3 v(std::sqrt(1.0f - cosine * cosine), cosine, 0.0f);
             for (const float f0 : {1.0f, 0.5f, 0.04f}) {
                 const shared::SurfaceReflectance surface = lobeAlongY(1.0f / power, vec3(f0), v);
-                const float truth =
+                const float expected =
                     integrate(192, [&](vec3 l) { return shared::reflectLight(surface, l, v, vec3(1.0f)); }).x;
                 const float share = shared::grazingShare(cosine, 1.0f / power);
-                EXPECT_NEAR(shared::reflectedShare(surface, share).x, truth, 0.02f)
+                EXPECT_NEAR(shared::reflectedShare(surface, share).x, expected, 0.02f)
                     << power << " " << cosine << " " << f0;
             }
         }
@@ -155,7 +155,7 @@ TEST(Environment, LobesReflectTheSky)
                 const float sine = std::sqrt(1.0f - cosine * cosine);
                 const vec3 v(sine * std::cos(turn), cosine, sine * std::sin(turn)), n(0, 1, 0);
                 const shared::SurfaceReflectance surface = lobeAlongY(1.0f / power, vec3(0.9f), v);
-                const vec3 truth = integrate(192, [&](vec3 l) {
+                const vec3 expected = integrate(192, [&](vec3 l) {
                     return lookUp(sky(), l, 0.0f) * shared::reflectLight(surface, l, v, vec3(1.0f));
                 });
                 const shared::EnvironmentLobe lobe = shared::environmentLobe(cosine, 1.0f / power);
@@ -164,7 +164,7 @@ TEST(Environment, LobesReflectTheSky)
                 const vec3 found =
                     lookUp(sky(), direction, shared::environmentLevel(lobe.narrowing / power)) *
                     shared::reflectedShare(surface, shared::grazingShare(cosine, 1.0f / power));
-                const double error = std::abs(luminanceOf(found) / luminanceOf(truth) - 1.0f);
+                const double error = std::abs(luminanceOf(found) / luminanceOf(expected) - 1.0f);
                 EXPECT_LT(error, 0.2) << power << " " << cosine << " " << turn;
                 sumOfErrors += error;
                 ++count;

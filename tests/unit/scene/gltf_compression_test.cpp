@@ -63,7 +63,7 @@ TEST_F(Compression, MeshoptIndexSequences)
 TEST_F(Compression, MeshoptFilters)
 {
     gltf.quad();
-    // Octahedral normals in 8 bits with 4 bytes a normal, exponential positions with 12.
+    // Octahedral normals in 8 bits with 4 bytes per normal, exponential positions with 12.
     const std::vector<float> normals = {0, 0, 1, 0, 0, 0, 1, 0, 0.6f, 0, 0.8f, 0, 0, 0.6f, 0.8f, 0};
     std::string octahedral(16, '\0'), exponential(48, '\0');
     meshopt_encodeFilterOct(octahedral.data(), 4, 4, 8, normals.data());

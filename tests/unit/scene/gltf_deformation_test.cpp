@@ -232,7 +232,7 @@ TEST_F(DeformingGltf, DamagedSkinsAreRefused)
     gltf.root = good;
     gltf.node(1)["scale"] = {1e30, 1e30, 1e30};
     gltf.root["skins"][0]["inverseBindMatrices"] = gltf.floats(std::vector<float>(32, 1e30f), "MAT4", 16);
-    expectDeformationRefused("nothing is finite");
+    expectDeformationRefused("skinned vertices that are not finite");
 }
 
 // --- Morph targets
@@ -276,7 +276,7 @@ struct MorphingGltf : testing::Test {
     }
 };
 
-TEST_F(MorphingGltf, TargetsAddWhatTheyWeigh)
+TEST_F(MorphingGltf, TargetsAddTheirWeightedDeltas)
 {
     gltf.root["meshes"][0]["weights"] = {0.5, -2};
     const Scene scene = load();
@@ -362,7 +362,7 @@ TEST_F(MorphingGltf, DamagedTargetsAreRefused)
     refused("primitives of 2 and of 1 morph targets");
     gltf.root = good;
     animate("LINEAR", {0, 1, 4});
-    refused("as many values");
+    refused("different number of values");
 }
 
 TEST_F(MorphingGltf, ThousandsOfTargetsLoadAndMillionsAreRefused)

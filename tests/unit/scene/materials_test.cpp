@@ -1,4 +1,4 @@
-// The bake cache: what is found again, what is not, and what is never trusted.
+// The bake cache: hits, misses, and entries that are never trusted.
 #include "core/file.h"
 #include "gltf_builder.h"
 #include "scene/bake_cache.h"
@@ -141,7 +141,7 @@ TEST_F(Materials, EqualMaterialsAreBakedOnce)
     expectEqual(baked[0], baked[1]);
 }
 
-TEST_F(Materials, DamagedEntriesAreBakedAnewAndReplaced)
+TEST_F(Materials, DamagedEntriesAreBakedAgainAndReplaced)
 {
     const auto good = bakeMaterials(scene, options);
     std::map<fs::path, std::string> contents;

@@ -85,7 +85,8 @@ inline Mesh moebiusShape()
     });
 }
 
-// A ramp that winds thrice over itself: nearly level everywhere, so that its normals alone are one chart.
+// A ramp that winds three times over itself: nearly level everywhere, so that its normals alone are one
+// chart.
 inline Mesh rampShape()
 {
     return gridShape(180, 2, [](float s, float t) {

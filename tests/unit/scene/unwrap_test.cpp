@@ -178,7 +178,7 @@ TEST(LitUvs, LargeMeshesComeFromTheCacheUnlessItIsDamaged)
                    [](const Vertex& a, const Vertex& b) { return a.uv == b.uv && a.position == b.position; });
     };
     EXPECT_TRUE(same(load()));
-    // A later run reads it: another count of charts in the file is believed if its hash agrees.
+    // A later run reads it: another number of charts in the file is accepted if its hash agrees.
     std::string changed = good.substr(0, good.size() - 32);
     changed[8] = 77;
     writeText(file, changed + ContentHash().add(changed.data(), changed.size()).hex());

@@ -179,7 +179,7 @@ TEST(UvCheck, UvsWithoutAreaAreNamed)
     EXPECT_EQ(findUvProblem(mesh), "UVs cover no area");
 }
 
-TEST(UvCheck, OverlapOfLessThanATileOfLumelsIsLetPass)
+TEST(UvCheck, OverlapOfLessThanATileOfLumelsIsAccepted)
 {
     for (float lumels : {6.0f, 10.0f}) { // squares of that many lumels of 4096^2
         UvMesh mesh;

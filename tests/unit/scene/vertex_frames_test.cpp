@@ -82,7 +82,7 @@ TEST(Tangents, SharedVertexOfMirroredHalvesIsSplit)
 
 TEST(Tangents, DoNotDependOnHowTheIndexBufferIsSplit)
 {
-    // A bent strip: the shared edge's corners average over both triangles, whether the vertices are
+    // A folded strip: the shared edge's corners average over both triangles, whether the vertices are
     // stored once or twice.
     Mesh shared = square();
     shared.vertices[3].position = {0.2f, 1.0f, 0.5f};

@@ -1,4 +1,4 @@
-// A camera that sees nothing is told from one that does.
+// Which cameras see nothing.
 #include "scene/visibility.h"
 #include "shapes.h"
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(Visibility, WhatIsInViewIsSeenFromItsFrontOnly)
     EXPECT_FALSE(sees(scene, {0, 0, 3}, {0, 0, 6}));    // behind the camera
     EXPECT_FALSE(sees(scene, {0, 0, 3}, {5, 0, 0}));    // beside the picture
     EXPECT_FALSE(sees(scene, {0, 0, -3}, {0, 0, 0}));   // its back
-    EXPECT_FALSE(sees(scene, {0, 0, 3000}, {0, 0, 0})); // far less than a pixel
+    EXPECT_FALSE(sees(scene, {0, 0, 3000}, {0, 0, 0})); // much smaller than a pixel
     scene.materials[0].doubleSided = true;
     EXPECT_TRUE(sees(scene, {0, 0, -3}, {0, 0, 0}));
 }

@@ -14,7 +14,7 @@ struct Machine {
     double rest = 1.5, find = 2.0, vertices = 1.0, pixels = 9.0, display = 1.0, upscale = 2.5;
     double lumel = 6e-5;
     double marked = 6e5;  // lumels that the view needs
-    double turning = 0.1; // share of them that motion makes due again each frame
+    double turning = 0.1; // share of them that motion makes due each frame
     double wait = 0.0;    // added to the frame, in no pass
     double load = 1.0;    // multiplies pixels and lumels
     size_t dynamic = 0;   // objects that are all of the view; shaded per pixel they need no lumels,
@@ -195,7 +195,7 @@ TEST(Budget, ASlowRampIsFollowedDownAndUp)
 
 TEST(Budget, LumelsComeFirstThenLevelsThenTheRenderScale)
 {
-    // Only lumels are dear: fewer are lit, then coarser ones, and every pixel stays.
+    // Only lumels are expensive: fewer are lit, then coarser ones, and every pixel stays.
     Simulation dearLumels(24.0, 0.1);
     dearLumels.machine.lumel = 2e-3;
     dearLumels.machine.turning = 1.0;
@@ -207,7 +207,7 @@ TEST(Budget, LumelsComeFirstThenLevelsThenTheRenderScale)
     EXPECT_LT(coarser->lumels, run.qualities.front().lumels);
     EXPECT_GT(run.qualities.back().levelBias, 0.3f);
     EXPECT_EQ(run.qualities.back().renderScale, kFull);
-    // Only pixels are dear: lumels are cut to their least share before the scale falls.
+    // Only pixels are expensive: lumels are cut to their least share before the scale falls.
     Simulation dearPixels(24.0, 0.0);
     dearPixels.machine.pixels = 30.0;
     const History pixels = dearPixels.run(300);
@@ -247,7 +247,7 @@ TEST(Budget, LightThatLumelsCannotFollowIsShadedPerPixel)
     EXPECT_EQ(run.pending[190], 0u);
     EXPECT_LT(run.percentile(100, 200, 0.95), 1.1 * 30.0);
     EXPECT_FALSE(run.qualities.back().dynamicPerPixel);
-    // A view that only turns waits in peace.
+    // Lumels of a view that only turns may wait.
     Simulation turning(30.0, 0.2);
     turning.machine.turning = 1.0;
     turning.machine.marked = 4e6;

@@ -4,7 +4,7 @@
 
 using lumel::tsl::DynamicObjects;
 
-TEST(DynamicObjects, AChangeNowAndThenIsNone)
+TEST(DynamicObjects, OccasionalChangesDoNotCount)
 {
     DynamicObjects objects;
     for (int frame = 0; frame < 100; ++frame) {
@@ -15,7 +15,7 @@ TEST(DynamicObjects, AChangeNowAndThenIsNone)
     EXPECT_FALSE(objects.is(9));
 }
 
-TEST(DynamicObjects, ChangesOfManyFramesMakeItSoUntilHardlyAnyFollow)
+TEST(DynamicObjects, ChangesOfManyFramesCountUntilHardlyAnyFollow)
 {
     DynamicObjects objects;
     for (int frame = 0; frame < 12; ++frame)

@@ -168,7 +168,7 @@ TEST(Residency, TinyObjectsLeaveTextureSpaceWithoutAJumpAndReturnLater)
     EXPECT_LT(residency.objects()[0].share, 0.2f);
 }
 
-TEST(Residency, ObjectsLeaveBeforeTheirChartsRunIntoEachOther)
+TEST(Residency, ObjectsLeaveBeforeTheirChartsMerge)
 {
     TexturePool pool(size_t(64) << 20);
     Residency residency;

@@ -109,7 +109,7 @@ TEST(TexelMap, DegenerateTrianglesCoverNothing)
 
 TEST(LumelGrid, IsAPowerOfTwoAndTwiceAsFineAsTheMaterial)
 {
-    const glm::ivec2 none(1); // no emissive that varies
+    const glm::ivec2 none(1); // no emission that varies
     EXPECT_EQ(lumelGrid({1, 1}, none), glm::uvec2(kMinGrid));
     EXPECT_EQ(lumelGrid({1000, 600}, none), glm::uvec2(2048, 2048));
     EXPECT_EQ(lumelGrid({2048, 1024}, none), glm::uvec2(4096, 2048));

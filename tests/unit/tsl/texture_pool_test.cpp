@@ -15,7 +15,7 @@ size_t sumOfBytes(const TexturePool& pool)
     return bytes;
 }
 
-// A class of one texture a block, so that bytes count textures.
+// A class with one texture per block, so that bytes count textures.
 constexpr glm::uvec2 kBig(512);
 const size_t kBigBytes = TextureLayout(kBig).blockBytes();
 
