@@ -18,7 +18,7 @@ public:
     // Call when no frame is in flight.
     void setEnvironment(const gpu::Device& device, std::shared_ptr<const EnvironmentMap> environment,
                         uint32_t frame);
-    // What the environment's picture is multiplied by, and turned by about +Y, in degrees.
+    // What the environment map is multiplied by, and turned by about +Y, in degrees.
     void adjustEnvironment(float intensity, float degrees, uint32_t frame);
     // See Settings::ambient.
     void adjustAmbient(std::optional<float> ambient, uint32_t frame);
