@@ -1,4 +1,4 @@
-// Shaders compiled anew from their sources while the program runs: those in the folder LUMEL_SHADERS of the
+// Shaders compiled again from their sources while the program runs: those in the folder LUMEL_SHADERS of the
 // environment, or those that the program was built from.
 #pragma once
 

@@ -311,7 +311,7 @@ void Window::show(const std::vector<Placement>& placements, std::array<float, 3>
     } catch (const vk::OutOfDateKHRError&) {
         outdated_ = true;
     } catch (const vk::SurfaceLostKHRError&) {
-        outdated_ = true; // the next acquire finds it lost, and makes it anew
+        outdated_ = true; // the next acquire finds it lost, and creates it again
     }
     constexpr uint64_t kTenSecondsNs = 10'000'000'000ull;
     if (device_.handle().waitForFences(*fence_, VK_TRUE, kTenSecondsNs) != vk::Result::eSuccess)

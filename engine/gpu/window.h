@@ -25,7 +25,7 @@ public:
     Window& operator=(const Window&) = delete;
 
     // Shows the placements on `background` (linear order: later ones cover earlier ones) under the panels.
-    // Does nothing while the window has no area. A lost or outdated surface is made anew.
+    // Does nothing while the window has no area. A lost or outdated surface is created again.
     void show(const std::vector<Placement>& placements, std::array<float, 3> background, ImDrawData* panels);
     void setPresentMode(PresentMode mode);
     PresentMode presentMode() const { return mode_; } // as asked for; fifo serves where it is missing

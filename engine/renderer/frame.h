@@ -21,7 +21,7 @@ public:
 
     // Renders one frame and waits for it. Throws Interrupted after Ctrl-C.
     FrameStats render(const scene::Camera& camera);
-    // Reference only: adds settings().samples to those of this very view, or starts anew.
+    // Reference only: adds settings().samples to those of this very view, or starts over.
     FrameStats accumulate(const scene::Camera& camera);
     // The luminances of the view, for automatic exposure; changes no picture.
     LuminanceHistogram meter(const scene::Camera& camera);
@@ -32,7 +32,7 @@ public:
     const Settings& settings() const { return settings_; }
     // From the next frame on. What a change does not touch is kept.
     void setSettings(const Settings& settings);
-    // Forgets all that earlier frames left: the next is as a new renderer's first.
+    // Drops all state of earlier frames: the next is as a new renderer's first.
     void restart();
 
     // From the next frame on; what they reach is lit again.

@@ -3,8 +3,8 @@
 
 namespace lumel {
 
-// Forward at one sample a pixel, whatever the renderer's own shading, size and display: so all of them agree
-// on a view's exposure, and it is known before anything is lit.
+// Forward at one sample per pixel, whatever the renderer's own shading, size and display: so all of them
+// agree on a view's exposure, and it is known before anything is lit.
 LuminanceHistogram Renderer::meter(const scene::Camera& camera)
 {
     constexpr float kLongerSide = 256.0f; // pixels

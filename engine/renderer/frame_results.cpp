@@ -1,4 +1,4 @@
-// What came of a frame: its picture, and what it did with each object.
+// The results of a frame: its picture, and what it did with each object.
 #include "frame.h"
 
 namespace lumel {

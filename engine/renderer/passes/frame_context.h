@@ -14,7 +14,7 @@ struct Targets {
     Targets(const gpu::Device& device, const Settings& settings);
     // Throws Error when the device has no such images.
     static void check(const gpu::Device& device, const Settings& settings);
-    gpu::Image hdr;          // linear radiance and coverage, RGBA16F, one sample a pixel
+    gpu::Image hdr;          // linear radiance and coverage, RGBA16F, one sample per pixel
     gpu::Image depth;        // D32, as many samples as the draw pass
     gpu::Image multisampled; // RGBA16F, only with msaa > 1
     gpu::Image sum;          // RGBA32F, reference only
