@@ -1,5 +1,5 @@
-// Shaders reloaded: compiled again from their sources while the program runs: those in the folder
-// LUMEL_SHADERS of the environment, or those that the program was built from.
+// Shaders compiled again from their sources while the program runs: those in the folder LUMEL_SHADERS of the
+// environment, or those that the program was built from.
 #pragma once
 
 namespace lumel::gpu {

@@ -36,7 +36,7 @@ public:
     const Settings& settings() const { return settings_; }
     // From the next frame on. What a change does not touch is kept.
     void setSettings(const Settings& settings);
-    // Forgets all that earlier frames left: the next is as a new renderer's first.
+    // Drops all state of earlier frames: the next is as a new renderer's first.
     void restart();
 
     // From the next frame on; what they reach is lit again.

@@ -10,7 +10,7 @@ public:
     void record(Frame& frame);
 
 private:
-    gpu::Pipeline pipeline_; // made for the first scene that deforms
+    gpu::Pipeline pipeline_; // made for the first scene with skins or morph targets
 };
 
 } // namespace lumel
