@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kRoughnesses[] = {0.12f, 0.2f, 0.3f, 0.5f, 0.7f, 0.8f, 0.9f, 1.0f};
 constexpr int kColumns = int(std::size(kRoughnesses));
-constexpr int kPixels = 112; // a cell; its sphere is a little smaller
+constexpr int kPixels = 80; // a cell; its sphere is a little smaller
 constexpr float kSpacing = 2.2f;
 
 // Above, white metals; below, white dielectrics.
