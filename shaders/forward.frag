@@ -13,6 +13,16 @@ layout(location = 4) in vec4 uv; // of the reflectance (xy) and of emissive (zw)
 layout(location = 5) in vec4 tint;
 layout(location = 0) out vec4 colour;
 
+uint listedLights(uint word)
+{
+    return push.lights[word];
+}
+
+uint listedShadows()
+{
+    return shadowsAmongListed();
+}
+
 void main()
 {
     ObjectAt object = objectAt(push.draw.object);
@@ -28,8 +38,8 @@ void main()
         discard;
     MaterialTexel material = sampleMaterial(uv, levels.xy);
     if (kColoured)
-        material = tinted(object, material, max(tint.rgb, vec3(0.0)));
-    ShadingPoint point = shadingPoint(object, material, positionInWorld, normalInWorld, tangentInWorld);
-    vec3 radiance = point.radiance + reflectedFromListed(point, push.lights);
+        material = tinted(object.at.flags, object.at.dielectric, material, max(tint.rgb, vec3(0.0)));
+    ShadingPoint point = shadingPoint(object.at.flags, material, positionInWorld, normalInWorld, tangentInWorld);
+    vec3 radiance = point.radiance + reflectedFromListed(point);
     colour = vec4(storable(radiance), opacity * push.draw.opacity);
 }

@@ -30,15 +30,16 @@ vk::raii::ShaderModule makeModule(const Device& device, const std::string& shade
 // Specialisation constants by their numbers; shaders without one of them do not mind. Not to be copied:
 // Vulkan's struct points into it.
 struct Constants {
-    Constants(uint32_t features, uint32_t filter) : values{features, filter} {}
+    Constants(uint32_t features, uint32_t filter, uint32_t lanes) : values{features, filter, lanes} {}
     Constants(const Constants&) = delete;
     Constants& operator=(const Constants&) = delete;
-    uint32_t values[2];
-    vk::SpecializationMapEntry entries[2] = {
+    uint32_t values[3];
+    vk::SpecializationMapEntry entries[3] = {
         {.constantID = 0, .offset = 0, .size = sizeof(uint32_t)},
-        {.constantID = 1, .offset = sizeof(uint32_t), .size = sizeof(uint32_t)}};
+        {.constantID = 1, .offset = sizeof(uint32_t), .size = sizeof(uint32_t)},
+        {.constantID = 2, .offset = 2 * sizeof(uint32_t), .size = sizeof(uint32_t)}};
     vk::SpecializationInfo info{
-        .mapEntryCount = 2, .pMapEntries = entries, .dataSize = sizeof(values), .pData = values};
+        .mapEntryCount = 3, .pMapEntries = entries, .dataSize = sizeof(values), .pData = values};
 };
 
 vk::raii::PipelineLayout makeLayout(const Device& device, const std::vector<vk::DescriptorSetLayout>& sets,
@@ -135,7 +136,7 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
                              const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
                              uint32_t features)
 {
-    const Constants constants(features, 0);
+    const Constants constants(features, 0, device.limits().subgroupSize < 32 ? 8 : 64);
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);
     const auto module = makeModule(device, shader);
@@ -158,7 +159,7 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     vk::raii::ShaderModule fragment = nullptr;
     if (!info.fragment.empty())
         fragment = makeModule(device, info.fragment);
-    const Constants constants(info.features, info.filter);
+    const Constants constants(info.features, info.filter, 0);
     const vk::PipelineShaderStageCreateInfo stages[] = {{.stage = vk::ShaderStageFlagBits::eVertex,
                                                          .module = *vertex,
                                                          .pName = "main",
