@@ -105,7 +105,7 @@ void deriveTile(ObjectAt object, uint mip, uvec2 tile)
     object.at.tiles.at[index].centre = child.centre;
     object.at.tiles.at[index].radius = 2.0 * child.radius;
     object.at.tiles.at[index].rate = rateOf(child);
-    object.at.tiles.at[index].turned = 1.0;
+    object.at.tiles.at[index].turned = kTurnedOfDerived;
     object.at.tiles.at[index].change = 0u;
     if (object.at.tiles.at[index].shown == 0u)
         object.at.tiles.at[index].shown = waited ? view.frame : kShownAtOnce;
