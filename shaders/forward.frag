@@ -64,6 +64,16 @@ float opacityHere(vec4 dx, vec4 dy)
     return sum / float(taps);
 }
 
+uint listedLights(uint word)
+{
+    return push.lights[word];
+}
+
+uint listedShadows()
+{
+    return shadowsAmongListed();
+}
+
 void main()
 {
     ObjectAt object = objectAt(push.draw.object);
@@ -75,8 +85,8 @@ void main()
         discard;
     MaterialTexel material = materialHere(dx, dy);
     if (kColoured)
-        material = tinted(object, material, max(tint.rgb, vec3(0.0)));
-    ShadingPoint point = shadingPoint(object, material, positionInWorld, normalInWorld, tangentInWorld);
-    vec3 radiance = point.radiance + reflectedFromListed(point, push.lights);
+        material = tinted(object.at.flags, object.at.dielectric, material, max(tint.rgb, vec3(0.0)));
+    ShadingPoint point = shadingPoint(object.at.flags, material, positionInWorld, normalInWorld, tangentInWorld);
+    vec3 radiance = point.radiance + reflectedFromListed(point);
     colour = vec4(storable(radiance), opacity * push.draw.opacity);
 }

@@ -6,51 +6,73 @@
 #define LUMEL_TILE_STATES coherent // a tail's MIPs are made of each other
 #include "lib/tiles.glsl"
 
-layout(local_size_x = 64) in;
+layout(local_size_x_id = 3) in; // lanes, as in light.comp
 layout(push_constant, scalar) uniform Constants { LightPush push; };
 layout(set = 1, binding = 0, rgba16f) coherent uniform image2DArray lit;
 
 const int kDilation = 2; // lumels: the reach of a cubic filter's taps
 
-uint coverageOf(ObjectAt object, uint mip, uvec2 lumel)
+// One MIP of a lit texture: where its lumels, tiles and texel map entries lie.
+struct Mip {
+    uvec2 size;
+    uvec2 origin;
+    uint firstTexel;
+    uint firstTile;
+    uint tilesAcross;
+};
+Mip mipOf(ObjectAt object, uint mip)
 {
-    return texelAt(object, object.at.litLevel + mip, lumel) >> kTexelCoverageShift;
+    uvec2 size = mipSize(object, mip);
+    return Mip(size, mipOrigin(mipSize(object, 0u), mip), object.at.texelOffsets[object.at.litLevel + mip],
+               object.at.tileOffsets[mip], tileCount(size).x);
+}
+
+// What lumels of a tile have in common.
+struct Source {
+    Mip fine, coarse;
+    uvec2 ratio; // of their sizes: 2, or 1 once an axis has reached one lumel
+    Texels texels;
+    TileStates tiles;
+    uint layer;
+};
+
+uint texelOf(Source source, Mip mip, uvec2 lumel)
+{
+    return source.texels.at[mip.firstTexel + lumel.y * mip.size.x + lumel.x];
 }
 
 // rgb: weighted sum of the children's radiance, a: sum of weights. Only children in lit tiles.
-vec4 gather(ObjectAt object, uint mip, uvec2 lumel)
+vec4 gather(Source source, uvec2 lumel)
 {
-    uvec2 fineSize = mipSize(object, mip - 1u);
-    uvec2 ratio = fineSize / mipSize(object, mip); // 2, or 1 once an axis has reached one lumel
-    uvec2 origin = mipOrigin(mipSize(object, 0u), mip - 1u);
     vec4 sum = vec4(0.0);
-    if (object.at.tiles.at[tileIndex(object, mip - 1u, lumel * ratio / kTileSize)].lit == 0u)
+    uvec2 first = lumel * source.ratio, tile = first / kTileSize;
+    if (source.tiles.at[source.fine.firstTile + tile.y * source.fine.tilesAcross + tile.x].lit == 0u)
         return sum;
-    for (uint j = 0u; j < ratio.y; ++j)
-        for (uint i = 0u; i < ratio.x; ++i) {
-            uvec2 child = lumel * ratio + uvec2(i, j);
-            float weight = float(coverageOf(object, mip - 1u, child));
+    for (uint j = 0u; j < source.ratio.y; ++j)
+        for (uint i = 0u; i < source.ratio.x; ++i) {
+            uvec2 child = first + uvec2(i, j);
+            float weight = float(texelOf(source, source.fine, child) >> kTexelCoverageShift);
             if (weight > 0.0)
-                sum += weight * vec4(imageLoad(lit, ivec3(origin + child, object.at.layer)).rgb, 1.0);
+                sum += weight * vec4(imageLoad(lit, ivec3(source.fine.origin + child, source.layer)).rgb, 1.0);
         }
     return sum;
 }
 
-vec3 derive(ObjectAt object, uint mip, uvec2 lumel)
+vec3 derive(Source source, uvec2 lumel)
 {
-    uvec2 size = mipSize(object, mip);
     vec4 sum = vec4(0.0);
-    if (coverageOf(object, mip, lumel) > 0u) {
-        sum = gather(object, mip, lumel);
-    } else if (texelAt(object, object.at.litLevel + mip, lumel) != 0u) {
+    uint texel = texelOf(source, source.coarse, lumel);
+    if (texel >> kTexelCoverageShift > 0u) {
+        sum = gather(source, lumel);
+    } else if (texel != 0u) {
         for (int j = -kDilation; j <= kDilation; ++j)
             for (int i = -kDilation; i <= kDilation; ++i) {
                 ivec2 near = ivec2(lumel) + ivec2(i, j);
-                if (any(lessThan(near, ivec2(0))) || any(greaterThanEqual(near, ivec2(size))))
+                if (any(lessThan(near, ivec2(0))) || any(greaterThanEqual(near, ivec2(source.coarse.size))))
                     continue;
-                if (coverageOf(object, mip, uvec2(near)) == 0u)
+                if (texelOf(source, source.coarse, uvec2(near)) >> kTexelCoverageShift == 0u)
                     continue;
-                vec4 found = gather(object, mip, uvec2(near));
+                vec4 found = gather(source, uvec2(near));
                 float distance2 = float(i * i + j * j);
                 sum += found / max(found.a, 1e-6) / (distance2 * distance2);
             }
@@ -62,11 +84,15 @@ void deriveTile(ObjectAt object, uint mip, uvec2 tile)
 {
     if (push.waiting != 0u && childrenLit(object, mip, tile) == 0u)
         return; // not yet
+    Source source = Source(mipOf(object, mip - 1u), mipOf(object, mip),
+                           mipSize(object, mip - 1u) / mipSize(object, mip), object.at.texels, object.at.tiles,
+                           object.at.layer);
     uint local = gl_LocalInvocationIndex;
-    uvec2 lumel = tile * kTileSize + uvec2(local % kTileSize, local / kTileSize);
-    if (all(lessThan(lumel, mipSize(object, mip)))) {
-        ivec3 place = ivec3(mipOrigin(mipSize(object, 0u), mip) + lumel, object.at.layer);
-        imageStore(lit, place, vec4(derive(object, mip, lumel), 1.0));
+    for (uint row = local / kTileSize; row < kTileSize; row += gl_WorkGroupSize.x / kTileSize) {
+        uvec2 lumel = tile * kTileSize + uvec2(local % kTileSize, row);
+        if (any(greaterThanEqual(lumel, source.coarse.size)))
+            break;
+        imageStore(lit, ivec3(source.coarse.origin + lumel, source.layer), vec4(derive(source, lumel), 1.0));
     }
     if (local != 0u)
         return;
@@ -79,7 +105,7 @@ void deriveTile(ObjectAt object, uint mip, uvec2 tile)
     object.at.tiles.at[index].centre = child.centre;
     object.at.tiles.at[index].radius = 2.0 * child.radius;
     object.at.tiles.at[index].rate = rateOf(child);
-    object.at.tiles.at[index].turned = 1.0;
+    object.at.tiles.at[index].turned = kTurnedOfDerived;
     object.at.tiles.at[index].change = 0u;
     if (object.at.tiles.at[index].shown == 0u)
         object.at.tiles.at[index].shown = waited ? view.frame : kShownAtOnce;

@@ -106,8 +106,13 @@ void prepare(ObjectAt object, Tile tile, uint slot)
 {
     uint index = tileIndex(object, placeMip(tile.place), placeTile(tile.place));
     TileState state = lightState(object, index);
-    vec4 ball = ballOf(object, placeMip(tile.place), placeTile(tile.place));
     bool known = state.lit != 0u;
+    // The ball found when the tile was last lit holds until the object moves; a derived tile's is a guess. A loop,
+    // because software Vulkan runs both sides of a branch.
+    vec4 ball = vec4(state.centre, state.radius);
+    bool ballHolds = known && state.turned != kTurnedOfDerived && object.at.changed <= state.lit;
+    for (uint once = ballHolds ? 1u : 0u; once < 1u; ++once)
+        ball = ballOf(object, placeMip(tile.place), placeTile(tile.place));
     if (known)
         object.at.tiles.at[index].rate = rateOf(state);
     object.at.tiles.at[index].turned = known ? max(turnedSince(state, view.eyeInWorld), 1e-6) : 0.0;

@@ -12,6 +12,16 @@ layout(location = 3) in vec2 uv;
 layout(location = 4) in vec4 materialUv;
 layout(location = 0) out vec4 colour;
 
+uint listedLights(uint word)
+{
+    return 0u; // nothing is lit
+}
+
+uint listedShadows()
+{
+    return 0u;
+}
+
 // 0 to 1 as blue, green, yellow, red.
 vec3 heat(float t)
 {

@@ -68,6 +68,7 @@ Limits limitsOf(const vk::raii::PhysicalDevice& device, uint32_t queueFamily, co
                   .maxBufferSize = chain.get<vk::PhysicalDeviceMaintenance4Properties>().maxBufferSize,
                   .maxMemoryAllocationSize =
                       chain.get<vk::PhysicalDeviceMaintenance3Properties>().maxMemoryAllocationSize,
+                  .subgroupSize = subgroups.subgroupSize,
                   .subgroupStages = subgroups.supportedStages,
                   .subgroupOperations = subgroups.supportedOperations,
                   .timestampValidBits = device.getQueueFamilyProperties()[queueFamily].timestampValidBits,

@@ -11,6 +11,7 @@ struct Limits {
     std::string device; // name
     vk::PhysicalDeviceLimits core;
     vk::DeviceSize maxBufferSize = 0, maxMemoryAllocationSize = 0;
+    uint32_t subgroupSize = 0;
     vk::ShaderStageFlags subgroupStages;
     vk::SubgroupFeatureFlags subgroupOperations;
     uint32_t timestampValidBits = 0;                       // of the queue

@@ -30,7 +30,8 @@ vk::raii::ShaderModule makeModule(const Device& device, const std::string& shade
 // Specialisation constants by their numbers; shaders without one of them do not mind. Not to be copied:
 // Vulkan's struct points into it.
 struct Constants {
-    Constants(uint32_t features, uint32_t filter, uint32_t anisotropy) : values{features, filter, anisotropy}
+    Constants(uint32_t features, uint32_t filter, uint32_t anisotropy, uint32_t lanes)
+        : values{features, filter, anisotropy, lanes}
     {
         for (uint32_t i = 0; i < values.size(); ++i)
             entries[i] = vk::SpecializationMapEntry{
@@ -39,8 +40,8 @@ struct Constants {
     }
     Constants(const Constants&) = delete;
     Constants& operator=(const Constants&) = delete;
-    std::array<uint32_t, 3> values;
-    std::array<vk::SpecializationMapEntry, 3> entries;
+    std::array<uint32_t, 4> values;
+    std::array<vk::SpecializationMapEntry, 4> entries;
     vk::SpecializationInfo info;
 };
 
@@ -138,7 +139,9 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
                              const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
                              uint32_t features)
 {
-    const Constants constants(features, 0, 1);
+    // Devices that run 8 invocations at a time or fewer go over a tile row by row (light.comp).
+    const uint32_t lanes = device.limits().subgroupSize <= 8 ? 8 : 64;
+    const Constants constants(features, 0, 1, lanes);
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);
     const auto module = makeModule(device, shader);
@@ -177,7 +180,7 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
 {
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
-    const Constants constants(info.features, info.filter, info.anisotropy);
+    const Constants constants(info.features, info.filter, info.anisotropy, 0);
     std::vector<vk::raii::ShaderModule> modules;
     std::vector<vk::PipelineShaderStageCreateInfo> stages;
     const auto addStage = [&](vk::ShaderStageFlagBits stage, const std::string& shader) {

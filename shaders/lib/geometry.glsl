@@ -8,10 +8,14 @@ Vertex pullVertex(ObjectAt object, uint corner)
     return object.at.vertices.at[object.at.indices.at[corner]];
 }
 
+vec4 unpackColour(uvec2 packed)
+{
+    return vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y));
+}
+
 vec4 vertexColour(ObjectAt object, uint vertex)
 {
-    uvec2 packed = object.at.colours.at[vertex];
-    return vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y));
+    return unpackColour(object.at.colours.at[vertex]);
 }
 
 // Barycentric coordinates of p in the triangle of texture coordinates a, b, c; extrapolates outside.

@@ -60,15 +60,15 @@ void addMaterial(inout MaterialTexel sum, MaterialTexel texel, float weight)
     sum.baseVariance += weight * texel.baseVariance;
 }
 
-MaterialTexel tinted(ObjectAt object, MaterialTexel material, vec3 colour)
+MaterialTexel tinted(uint flags, float dielectric, MaterialTexel material, vec3 colour)
 {
-    if (object.at.dielectric >= 0.0) {
-        vec3 f0 = tintedSpecular(material.f0, material.diffuse, object.at.dielectric, colour);
+    if (dielectric >= 0.0) {
+        vec3 f0 = tintedSpecular(material.f0, material.diffuse, dielectric, colour);
         material.specular *= f0 / max(material.f0, vec3(1e-6));
         material.f0 = f0;
     }
     material.diffuse *= colour;
-    if ((object.at.flags & kObjectUnlit) != 0u)
+    if ((flags & kObjectUnlit) != 0u)
         material.emitted *= colour;
     return material;
 }
@@ -82,15 +82,16 @@ struct ShadingPoint {
 };
 
 // position, normal, tangent (w = handedness) in world space, not necessarily unit.
-ShadingPoint shadingPoint(ObjectAt object, MaterialTexel material, vec3 position, vec3 normal, vec4 tangent)
+// flags: of the object.
+ShadingPoint shadingPoint(uint flags, MaterialTexel material, vec3 position, vec3 normal, vec4 tangent)
 {
     vec3 toEye = normalize(view.eyeInWorld - position);
     vec3 n = normalize(normal);
-    bool flip = (object.at.flags & kObjectDoubleSided) != 0u && dot(n, toEye) < 0.0;
+    bool flip = (flags & kObjectDoubleSided) != 0u && dot(n, toEye) < 0.0;
     vec3 t = tangent.xyz - n * dot(n, tangent.xyz);
     t = dot(t, t) > 1e-12 ? normalize(t) : normalize(abs(n.x) < 0.9 ? cross(n, vec3(1, 0, 0)) : cross(n, vec3(0, 1, 0)));
     // Bitangents belong to the object: a transform that mirrors it mirrors them, but not the cross product.
-    bool mirrored = (object.at.flags & kObjectMirrored) != 0u;
+    bool mirrored = (flags & kObjectMirrored) != 0u;
     vec3 b = cross(n, t) * ((tangent.w < 0.0) != mirrored ? -1.0 : 1.0);
     // Seen from behind, a bump is a dent: it is the map's normal that is reversed, and with it the whole frame.
     n = flip ? -n : n;
@@ -121,14 +122,28 @@ vec3 reflectedFrom(ShadingPoint point, Light light)
     return reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance);
 }
 
+// Word `word` of the list of lights that may reach what is shaded, as in JobTile: each shader has its own.
+uint listedLights(uint word);
+// Bit i: the light of view.shadows[i] is in the list.
+uint listedShadows();
+
+uint shadowsAmongListed()
+{
+    uint shadows = 0u;
+    for (uint i = 0u; i < view.shadowCount; ++i) {
+        uint light = view.shadows[i].light;
+        shadows |= (listedLights(light / 32u) >> (light % 32u) & 1u) << i;
+    }
+    return shadows;
+}
+
 // From the listed lights that have a shadow map.
-vec3 reflectedFromShadowed(ShadingPoint point, uint listed[kListedLights / 32u])
+vec3 reflectedFromShadowed(ShadingPoint point)
 {
     vec3 radiance = vec3(0.0);
-    for (uint i = 0u; i < view.shadowCount; ++i) {
+    for (uint bits = listedShadows(); bits != 0u; bits &= bits - 1u) {
+        uint i = findLSB(bits);
         Shadow shadow = view.shadows[i];
-        if ((listed[shadow.light / 32u] >> (shadow.light % 32u) & 1u) == 0u)
-            continue;
         Incident incident = incidentLight(lights[shadow.light], point.position);
         float visible = lightVisibility(shadow, i, point.position, point.surface.macroNormal, incident.direction);
         radiance += reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance * visible);
@@ -136,16 +151,24 @@ vec3 reflectedFromShadowed(ShadingPoint point, uint listed[kListedLights / 32u])
     return radiance;
 }
 
-// From the lights of a list (as in JobTile) and those past its last bit.
-vec3 reflectedFromListed(ShadingPoint point, uint listed[kListedLights / 32u])
+vec3 reflectedFromWord(ShadingPoint point, uint word, uint bits)
+{
+    vec3 radiance = vec3(0.0);
+    for (; bits != 0u; bits &= bits - 1u)
+        radiance += reflectedFrom(point, lights[32u * word + findLSB(bits)]);
+    return radiance;
+}
+
+// From the lights of the shader's list and those past its last bit.
+vec3 reflectedFromListed(ShadingPoint point)
 {
     const bool shadows = (kFeatures & kFeatureShadows) != 0u;
     vec3 radiance = vec3(0.0);
     if (shadows)
-        radiance = reflectedFromShadowed(point, listed);
-    for (uint word = 0u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word)
-        for (uint bits = shadows ? listed[word] & ~view.shadowed[word] : listed[word]; bits != 0u; bits &= bits - 1u)
-            radiance += reflectedFrom(point, lights[32u * word + findLSB(bits)]);
+        radiance = reflectedFromShadowed(point);
+    radiance += reflectedFromWord(point, 0u, shadows ? listedLights(0u) & ~view.shadowed[0] : listedLights(0u));
+    for (uint word = 1u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word)
+        radiance += reflectedFromWord(point, word, shadows ? listedLights(word) & ~view.shadowed[word] : listedLights(word));
     for (uint i = kListedLights; i < view.lightCount; ++i)
         radiance += reflectedFrom(point, lights[i]);
     return radiance;

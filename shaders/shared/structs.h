@@ -208,12 +208,13 @@ struct TileState {
     vec3 centre;  // of the surface that its lumels cover, world
     float radius; // metres
     float rate;   // expected RMS change of its lumels' display value per radian that the eye turns around it
-    float turned; // radians that the eye had turned when it was last lit; 0 = it was the first time
+    float turned; // radians that the eye had turned when it was last lit; 0 = the first time; or kTurnedOfDerived
     uint change;  // sum over its lumels of the squared change then, in 1 / kChangeUnit
     uint marked;  // frame in which a view last needed it
     uint shown;   // frame from which it is drawn; it fades in over kFadeFrames
     uint derive;  // frame << kDeriveBits | kDerive..., by the plan of the frame that last needed it
 };
+LUMEL_CONST float kTurnedOfDerived = 1.0f; // its light is derived from finer tiles
 LUMEL_CONST uint kDeriveBits = 4u;
 LUMEL_CONST uint kDeriveFromChildren = 1u; // that is where its light comes from
 LUMEL_CONST uint kDeriveQueued = 2u;       // a child's light changes: it is in the list of a job
