@@ -1,9 +1,7 @@
 // Renderers of one scene share what is large, and show the same as with resources of their own.
 #include "test_scene.h"
 
-using namespace lumel;
-using namespace lumel::test;
-
+namespace lumel::test {
 namespace {
 
 class SharingTest : public GpuTest {};
@@ -25,8 +23,6 @@ Image displayOf(Renderer& renderer)
     renderer.render(cameraAt(kEye));
     return renderer.readDisplay();
 }
-
-} // namespace
 
 TEST_F(SharingTest, RenderersWithSharedResourcesAllocateNoneOfThem)
 {
@@ -75,3 +71,6 @@ TEST_F(SharingTest, APartOfTheObjectsUsesTheResourcesOfAll)
     Renderer alone(device(), s.scene, s.materials, settingsFor(Shading::tsl));
     EXPECT_EQ(displayOf(sharing).pixels, displayOf(alone).pixels);
 }
+
+} // namespace
+} // namespace lumel::test
