@@ -2,6 +2,8 @@
 #include "core/decoder_process.h"
 #include "core/error.h"
 #include "fuzz_file.h"
+#include "gltf/gltf.h"
+#include "scene/deformation.h"
 #include "scene/material_maps.h"
 #include <spdlog/spdlog.h>
 
