@@ -112,7 +112,7 @@ void lightTile(uint slot)
 {
     Tile tile = push.tiles.at[slot].tile;
     listedSlot = slot;
-    firstListed = push.tiles.at[slot].lights[0];
+    firstListed = view.lightCount > 0u ? push.tiles.at[slot].lights[0] : 0u; // select.comp writes what there is
     shadowsListed = (kFeatures & kFeatureShadows) != 0u ? shadowsAmongListed() : 0u;
     ObjectAt object = objectAt(tile.object);
     uint mip = placeMip(tile.place);
