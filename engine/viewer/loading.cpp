@@ -70,7 +70,7 @@ void Viewer::keepView()
     if (!state_.lightsEdited)
         renderers_->setLights(state_.lights);
     arguments_.materialFiles.emplace_back(load_.material, load_.file);
-    say(fmt::format("{}: now the material '{}'", load_.file.filename().string(), load_.material));
+    say(fmt::format("{}: replaces the material '{}'", load_.file.filename().string(), load_.material));
 }
 
 // Another scene. first: the one that the command line's options are about.
