@@ -210,17 +210,7 @@ void DrawPass::begin(Frame& frame)
         color.resolveImageView = targets.hdr.view();
         color.resolveImageLayout = vk::ImageLayout::eColorAttachmentOptimal;
     }
-    const vk::RenderingAttachmentInfo depth{.imageView = targets.depth.view(),
-                                            .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
-                                            .loadOp = vk::AttachmentLoadOp::eClear,
-                                            .storeOp = vk::AttachmentStoreOp::eDontCare,
-                                            .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
-    commands.beginRendering({.renderArea = {{0, 0}, extent},
-                             .layerCount = 1,
-                             .colorAttachmentCount = 1,
-                             .pColorAttachments = &color,
-                             .pDepthAttachment = &depth});
-    setViewport(commands, extent);
+    beginRendering(commands, color, targets.depth.view(), extent);
 }
 
 void DrawPass::drawObjects(Frame& frame, const LitPool& pool)

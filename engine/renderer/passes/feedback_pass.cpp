@@ -70,17 +70,7 @@ void FeedbackPass::record(Frame& frame, bool everyPixel)
                                             .imageLayout = vk::ImageLayout::eColorAttachmentOptimal,
                                             .loadOp = vk::AttachmentLoadOp::eClear,
                                             .storeOp = vk::AttachmentStoreOp::eStore};
-    const vk::RenderingAttachmentInfo depth{.imageView = depth_.view(),
-                                            .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
-                                            .loadOp = vk::AttachmentLoadOp::eClear,
-                                            .storeOp = vk::AttachmentStoreOp::eDontCare,
-                                            .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
-    commands.beginRendering({.renderArea = {{0, 0}, extent},
-                             .layerCount = 1,
-                             .colorAttachmentCount = 1,
-                             .pColorAttachments = &color,
-                             .pDepthAttachment = &depth});
-    setViewport(commands, extent);
+    beginRendering(commands, color, depth_.view(), extent);
     drawObjects(frame, everyPixel);
     commands.endRendering();
 

@@ -11,6 +11,22 @@ void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pi
     frame.commands.bindDescriptorSets(point, *pipeline.layout, 0, all, nullptr);
 }
 
+void beginRendering(vk::CommandBuffer commands, const vk::RenderingAttachmentInfo& color,
+                    vk::ImageView depthView, vk::Extent2D extent)
+{
+    const vk::RenderingAttachmentInfo depth{.imageView = depthView,
+                                            .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
+                                            .loadOp = vk::AttachmentLoadOp::eClear,
+                                            .storeOp = vk::AttachmentStoreOp::eDontCare,
+                                            .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
+    commands.beginRendering({.renderArea = {{0, 0}, extent},
+                             .layerCount = 1,
+                             .colorAttachmentCount = 1,
+                             .pColorAttachments = &color,
+                             .pDepthAttachment = &depth});
+    setViewport(commands, extent);
+}
+
 void setViewport(vk::CommandBuffer commands, vk::Extent2D extent)
 {
     commands.setViewport(

@@ -49,6 +49,10 @@ private:
     Frame& frame_;
 };
 
+// One colour attachment and a depth that is cleared to infinity and not kept; the viewport is the extent.
+void beginRendering(vk::CommandBuffer commands, const vk::RenderingAttachmentInfo& color,
+                    vk::ImageView depthView, vk::Extent2D extent);
+
 void setViewport(vk::CommandBuffer commands, vk::Extent2D extent);
 
 template<class Push>
