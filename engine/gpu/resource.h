@@ -50,6 +50,7 @@ struct ImageInfo {
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
     bool arrayView = false;                  // sampler2DArray / image2DArray even with one layer
     const char* remedy = "use smaller maps"; // when the device does not support or cannot allocate it
+    bool operator==(const ImageInfo&) const = default;
 };
 
 // Throws Error with the remedy when the device has no such images.

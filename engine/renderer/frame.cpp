@@ -154,8 +154,9 @@ void Renderer::restart()
 
 void Renderer::setSettings(const Settings& settings)
 {
-    const unsigned changed = changes(std::exchange(settings_, settings), settings);
-    if (changed & invalidates::targets) {
+    const Settings before = std::exchange(settings_, settings);
+    const unsigned changed = changes(before, settings);
+    if ((changed & invalidates::targets) && !Targets::same(before, settings)) {
         targets_ = Targets(device_, settings);
         display_.connect(device_, targets_);
     }

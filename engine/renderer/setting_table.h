@@ -15,7 +15,7 @@ enum : unsigned {
     display = 1,   // the tone-mapped picture
     radiance = 2,  // what was drawn
     sum = 4,       // the reference's accumulated samples
-    targets = 8,   // the images that passes render to, the sum among them
+    targets = 8,   // the images that passes render to, where the new settings take others (Targets::same)
     feedback = 16, // the feedback pass's images
     lumels = 32,   // what is known about the levels that a view needs
     pool = 64,     // all lit textures

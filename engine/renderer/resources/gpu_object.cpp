@@ -4,8 +4,8 @@
 namespace lumel {
 namespace {
 
-// What is not metal reflects this much whatever its base colour is; that of a specular-glossiness material
-// has no say in reflectance at all: -1.
+// What is not metal reflects this much whatever its base colour is. In a specular-glossiness material the
+// base colour does not affect reflectance: -1.
 float dielectricReflectance(const scene::Material& material)
 {
     if (material.specularGlossiness)
@@ -53,7 +53,7 @@ GpuObject makeObject(const scene::Scene& scene, const scene::Object& object, con
     const GpuSurface& surface = resources.geometry->surface(object.mesh, object.material);
     const gpu::Buffer& vertices =
         object.deformed >= 0 ? deformed.items()[size_t(object.deformed)].vertices : mesh.vertices;
-    // What emits all over stands for a light, and would shade it.
+    // An object that emits everywhere stands for a light, and would shadow it.
     const bool emits = material.unlit || (material.emissive != glm::vec3(0.0f) && material.emissiveImage < 0);
     const bool blend = material.alphaMode == scene::AlphaMode::blend;
     GpuObject result{.data = dataOf(material, mesh, vertices, surface),

@@ -8,6 +8,7 @@ struct Target {
     gpu::Image Targets::*image;
     gpu::ImageInfo info;
     const char* name;
+    bool operator==(const Target&) const = default;
 };
 
 std::vector<Target> targetsOf(const Settings& settings)
@@ -58,6 +59,11 @@ void Targets::check(const gpu::Device& device, const Settings& settings)
 {
     for (const Target& target : targetsOf(settings))
         gpu::checkImage(device, target.info);
+}
+
+bool Targets::same(const Settings& a, const Settings& b)
+{
+    return targetsOf(a) == targetsOf(b);
 }
 
 } // namespace lumel

@@ -9,6 +9,8 @@ struct Targets {
     Targets(const gpu::Device& device, const Settings& settings);
     // Throws Error when the device has no such images.
     static void check(const gpu::Device& device, const Settings& settings);
+    // Do both settings take the same images?
+    static bool same(const Settings& a, const Settings& b);
     gpu::Image hdr;          // linear radiance and coverage, RGBA16F, one sample per pixel
     gpu::Image depth;        // D32, as many samples as the draw pass
     gpu::Image multisampled; // RGBA16F, only with msaa > 1
