@@ -18,8 +18,8 @@ void main()
         return;
     }
     uint always = push.plan.at.histogram[kPriorityAlways];
-    uint budget = push.budgetTiles - min(always, push.budgetTiles);
-    uint refreshable = uint(float(marked) * push.refreshShare);
+    uint budget = push.budgetQuads - min(always, push.budgetQuads);
+    uint refreshable = uint(float(push.plan.at.quadsMarked) * push.refreshShare);
     push.plan.at.threshold = 0u;
     push.plan.at.share = 1.0;
     for (uint priority = kPriorityAlways; priority-- > 0u;) {

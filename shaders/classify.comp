@@ -1,13 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Plan, second step: what happens to each marked tile? Derive it from its four children when all are
-// marked; keep it when lighting it again would change too little; else light it, with a priority.
-#include "lib/rows.glsl"
-#include "lib/tiles.glsl"
+// Plan, second step: what happens to each marked quad? It is derived when the view needs its four children too; a
+// tile's others are kept when lighting them again would change too little, else lit, with a priority.
+#include "lib/plan.glsl"
 #include "shared/shading.h"
 
 layout(local_size_x = 64) in;
-layout(push_constant, scalar) uniform Constants { PlanPush push; };
 
 // Display change per radian that is expected of any tile: even a matte one is relit occasionally.
 const float kLeastRate = 0.02;
@@ -15,35 +13,19 @@ const float kLeastRate = 0.02;
 // nothing of the previous view may be seen.
 const float kCutAngle = 0.2;
 
-// Can the tile be derived: are its four children all marked? `litToo`: and do they all hold light already?
-bool childrenServe(ObjectAt object, uint mip, uvec2 tile, bool litToo)
+// The object has changed since a frame, or a light that may reach the tile.
+bool changedSince(LitObject object, TileState tile, uint since)
 {
-    if (mip == 0u)
-        return false;
-    uvec2 fine = tileCount(mipSize(object, mip - 1u));
-    uvec2 ratio = mipSize(object, mip - 1u) / mipSize(object, mip);
-    for (uint i = 0u; i < 4u; ++i) {
-        uvec2 child = tile * ratio + uvec2(i & 1u, i >> 1u);
-        if (any(greaterThanEqual(child, fine)) || tileEmpty(object, mip - 1u, child))
-            continue;
-        uint index = tileIndex(object, mip - 1u, child);
-        if (object.at.tiles.at[index].marked != view.frame || (litToo && object.at.tiles.at[index].lit == 0u))
-            return false;
-    }
-    return true;
-}
-
-// A light that changed since the tile was lit, and may reach it.
-bool lightChanged(TileState tile)
-{
+    if (object.changed > since)
+        return true;
     for (uint i = 0u; i < view.lightCount; ++i)
-        if (lights[i].changed > tile.lit && lightReaches(lights[i], tile.centre, tile.radius))
+        if (lights[i].changed > since && lightReaches(lights[i], tile.centre, tile.radius))
             return true;
     return false;
 }
 
 // Largest rate among the tile and its neighbours: a highlight enters a matte tile from its neighbour.
-float rateAround(ObjectAt object, uint mip, uvec2 tile)
+float rateAround(LitObject object, uint mip, uvec2 tile)
 {
     ivec2 last = ivec2(tileCount(mipSize(object, mip))) - 1;
     float rate = max(kLeastRate, rateOf(lightState(object, tileIndex(object, mip, tile))));
@@ -57,28 +39,53 @@ float rateAround(ObjectAt object, uint mip, uvec2 tile)
     return rate;
 }
 
-uint judge(ObjectAt object, uint mip, uvec2 tile)
+// Of a tile's quads, those to be derived from the finer MIP. Within a budget the children may have to wait, and
+// something must be shown meanwhile: a quad without light is derived from what holds light only.
+uint derivedQuads(LitObject object, uint mip, uvec2 tile, uint quads, TileState state, bool mayWait)
 {
-    if (tileEmpty(object, mip, tile))
-        return kVerdictEmpty;
-    TileState state = lightState(object, tileIndex(object, mip, tile));
-    // Within a budget the children may have to wait, and something must be shown meanwhile.
-    bool waits = state.lit == 0u && push.budgetTiles < ~0u / kTileLumels;
-    if (waits && mip == tailMip(object.at.mips))
-        return kPriorityAlways;
-    if (childrenServe(object, mip, tile, waits))
-        return kVerdictDerive;
-    if (state.lit == 0u) // coarse tiles first: they cover more
-        return kPriorityChanged + 1u + min(mip, kPriorityAlways - kPriorityChanged - 2u);
-    if (object.at.changed > state.lit || lightChanged(state))
-        return kPriorityChanged;
+    if (mip == 0u || (mayWait && state.held == 0u && mip == tailMip(object.mips)))
+        return 0u;
+    Children children = childrenOf(object, mip, tile, 0u);
+    uint derived = quads & children.needed;
+    return mayWait ? derived & (children.held | state.held | state.held >> 16u) : derived;
+}
+
+// Derived quads that the view does not need, and whose light is wrong: drawn nevertheless where no sample saw the need,
+// they would show it.
+uint wrongQuads(LitObject object, TileState state, uint needed)
+{
+    uint others = state.held >> 16u & ~needed;
+    if (others == 0u)
+        return 0u;
+    return changedSince(object, state, state.derived) ? others : 0u;
+}
+
+struct Verdict {
+    uint priority; // or kVerdictKeep
+    uint quads;    // as in Mark
+};
+
+// What happens to those of a tile's quads that are not derived?
+Verdict judge(LitObject object, uint mip, uvec2 tile, uint quads, TileState state, bool mayWait)
+{
+    if (mayWait && state.held == 0u && mip == tailMip(object.mips))
+        return Verdict(kPriorityAlways, quads);
+    uint unlit = kPriorityChanged + 1u + min(mip, kPriorityAlways - kPriorityChanged - 2u);
+    uint held = state.held | state.held >> 16u;
+    if (held == 0u) // coarse tiles first: they cover more
+        return Verdict(unlit, quads);
+    if ((quads & held & ~state.held) != 0u)
+        state.lit = min(state.lit, state.derived);
+    if (changedSince(object, state, state.lit))
+        return Verdict(kPriorityChanged, quads);
     float angle = turnedSince(state, view.eyeInWorld);
     float change = angle > 1e-5 ? angle * rateAround(object, mip, tile) : 0.0;
-    if (change <= push.tolerance)
-        return kVerdictKeep;
-    if (angle > kCutAngle)
-        return kPriorityChanged;
-    return min(uint(4.0 * log2(change / push.tolerance)), kPriorityChanged - 1u);
+    if (change > push.tolerance)
+        return Verdict(angle > kCutAngle ? kPriorityChanged
+                                         : min(uint(4.0 * log2(change / push.tolerance)), kPriorityChanged - 1u),
+                       quads);
+    uint more = quads & ~held;
+    return more != 0u ? Verdict(unlit, more | kMarkMore) : Verdict(kVerdictKeep, quads);
 }
 
 void main()
@@ -87,13 +94,22 @@ void main()
     if (index >= push.plan.at.marked)
         return;
     Tile tile = push.marks.at[index].tile;
-    ObjectAt object = objectAt(tile.object);
-    uint verdict = judge(object, placeMip(tile.place), placeTile(tile.place));
-    push.marks.at[index].verdict = verdict;
-    uint bits = (verdict == kVerdictDerive ? kDeriveFromChildren : 0u) |
-                ((tile.place & kPlaceWaited) != 0u ? kDeriveWaited : 0u);
-    uint state = tileIndex(object, placeMip(tile.place), placeTile(tile.place));
-    object.at.tiles.at[state].derive = view.frame << kDeriveBits | bits;
-    if (verdict < kPriorities)
-        atomicAdd(push.plan.at.histogram[verdict], 1u);
+    LitObject object = litObject(tile.object);
+    uint mip = placeMip(tile.place);
+    uvec2 place = placeTile(tile.place);
+    uint stateIndex = tileIndex(object, mip, place);
+    uint quads = object.tiles.at[stateIndex].needed & surfaceQuads(object, mip, place);
+    TileState state = lightState(object, stateIndex);
+    bool mayWait = push.budgetQuads < ~0u / kQuadLumels;
+    uint derived = derivedQuads(object, mip, place, quads, state, mayWait);
+    uint tail = derivedTail(object.mips);
+    if ((derived != 0u && mip < tail) || mip == tail) // the tail's coarser MIPs follow from its first
+        append(object.lowerJob + mip - 1u, tile, derived | wrongQuads(object, state, quads) << 16u);
+    uint lit = quads & ~derived;
+    Verdict verdict = lit == 0u ? Verdict(kVerdictNone, 0u) : judge(object, mip, place, lit, state, mayWait);
+    push.marks.at[index].verdict = verdict.priority;
+    push.marks.at[index].quads = verdict.quads;
+    atomicAdd(push.plan.at.quadsMarked, bitCount(quads));
+    if (verdict.priority < kPriorities)
+        atomicAdd(push.plan.at.histogram[verdict.priority], bitCount(verdict.quads & kAllQuads));
 }

@@ -82,7 +82,7 @@ void main()
         vec2 place = along ? p : cubic.place;
         float weight = (isFine ? 1.0 - coarser : coarser) * (along ? 1.0 / float(footprint.taps) : cubic.weight);
         vec4 light = tap(lit, mip, place);
-        sum += weight * vec4(light.rgb, push.waiting != 0u ? light.a : 1.0);
+        sum += weight * light;
     }
     colour = vec4(max(sum.rgb / max(sum.a, 0.1), vec3(0.0)), 1.0); // Catmull-Rom's lobes may fall below 0
 }

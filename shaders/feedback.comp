@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Feedback pass, second half: the finest level that any sample of each object needs, and how long footprints are.
 #include "lib/footprint.glsl"
-#include "lib/interface.glsl"
+#include "lib/lit_object.glsl"
 #include "lib/rows.glsl"
 
 layout(local_size_x = 64) in;
@@ -16,14 +16,14 @@ shared uint elongations[kElongations + 1u];
 void count(uvec4 seenBy)
 {
     uint index = seenBy.x - 1u;
-    ObjectAt object = objectAt(index);
-    vec2 dx = unpackHalf2x16(seenBy.z), dy = unpackHalf2x16(seenBy.w), size = vec2(object.at.litSize);
+    LitObject object = litObject(index);
+    vec2 dx = unpackHalf2x16(seenBy.z), dy = unpackHalf2x16(seenBy.w), size = vec2(object.litSize);
     uint level = uint(clamp(footprintOf(dx, dy, size, view.anisotropy).level - kFeedbackFinest, 0.0, 15.99) * float(kFeedbackScale));
     // Reading first spares most atomics: after a few samples the least level hardly changes.
     if (level < push.objects.at[index].level)
         atomicMin(push.objects.at[index].level, level);
     atomicAdd(push.objects.at[index].samples, 1u);
-    if ((object.at.flags & kObjectLightable) == 0u)
+    if ((objectFlags(object) & kObjectLightable) == 0u)
         return;
     // The pixel's elliptical footprint in lumels; level 0 is the finest.
     float area = abs(dx.x * dy.y - dx.y * dy.x) * size.x * size.y;

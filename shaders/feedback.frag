@@ -11,5 +11,5 @@ layout(location = 0) out uvec4 seen;
 
 void main()
 {
-    seen = packSample(push.object, uv, dFdx(uv) / push.divisor, dFdy(uv) / push.divisor);
+    seen = sampleHere(push.object, uv, push.divisor, push.jitter);
 }

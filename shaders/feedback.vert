@@ -13,5 +13,5 @@ void main()
 {
     uv = vertexUv;
     gl_Position = view.clipFromWorld * (worldFromObject * vec4(position, 1.0));
-    gl_Position.xy += push.jitter * gl_Position.w;
+    gl_Position.xy += 2.0 * push.jitter / (push.divisor * vec2(push.size)) * gl_Position.w;
 }

@@ -4,7 +4,7 @@
 // own footprint, whatever the sample's block of pixels.
 #include "lib/footprint.glsl"
 #include "lib/sample.glsl"
-#include "lib/surface.glsl"
+#include "lib/material.glsl"
 
 layout(push_constant, scalar) uniform Constants { FeedbackPush push; };
 layout(location = 0) in vec2 uv;
@@ -20,7 +20,7 @@ const vec2 kNeighbours[4] = vec2[](vec2(-1.0, -2.0), vec2(2.0, -1.0), vec2(1.0, 
 void main()
 {
     vec2 dx = dFdx(materialUv) / push.divisor, dy = dFdy(materialUv) / push.divisor;
-    vec2 litDx = dFdx(uv) / push.divisor, litDy = dFdy(uv) / push.divisor;
+    uvec4 found = sampleHere(push.object, uv, push.divisor, push.jitter); // derivatives before any fragment ends
     float level = max(levelOf(mapOpacity, dx, dy, 1.0), 0.0);
     float opacity = textureLod(mapOpacity, materialUv, level).x;
     for (int i = 0; i < (push.divisor > 1.0 ? 4 : 0); ++i) {
@@ -31,5 +31,5 @@ void main()
         opacity *= tintOpacity;
     if (opacity < objectAt(push.object).at.alphaCutoff)
         discard;
-    seen = packSample(push.object, uv, litDx, litDy);
+    seen = found;
 }

@@ -3,7 +3,7 @@
 // Forward shading: the same BRDF and the same fitted MIPs, evaluated per pixel. With the level fixed to 0 and
 // many shifted frames averaged it is the reference.
 #include "lib/footprint.glsl"
-#include "lib/surface.glsl"
+#include "lib/material.glsl"
 
 layout(push_constant, scalar) uniform Constants { ForwardPush push; };
 layout(location = 0) in vec3 positionInWorld;
@@ -74,6 +74,11 @@ uint listedShadows()
     return shadowsAmongListed();
 }
 
+float listedVisibility(uint shadow, ShadingPoint point, vec3 toLight)
+{
+    return lightVisibility(view.shadows[shadow], shadow, point.position, point.surface.macroNormal, toLight);
+}
+
 void main()
 {
     ObjectAt object = objectAt(push.draw.object);
@@ -86,7 +91,8 @@ void main()
     MaterialTexel material = materialHere(dx, dy);
     if (kColoured)
         material = tinted(object.at.flags, object.at.dielectric, material, max(tint.rgb, vec3(0.0)));
-    ShadingPoint point = shadingPoint(object.at.flags, material, positionInWorld, normalInWorld, tangentInWorld);
+    ShadingPoint point = shadingPoint(
+        object.at.flags, surfacePoint(object.at.flags, material, positionInWorld, normalInWorld, tangentInWorld));
     vec3 radiance = point.radiance + reflectedFromListed(point);
     colour = vec4(storable(radiance), opacity * push.draw.opacity);
 }

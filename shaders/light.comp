@@ -2,24 +2,19 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_basic : require
-// Light pass: a group lights one 8x8 tile after another of its job's list. The texel map
-// says which triangle a lumel lies on; gutter lumels extend the nearest triangle, so that filter taps across a
-// chart's border meet a smooth continuation.
+// Light pass, of tiles whose surface is not cached: it is found from the mesh and the material, and kept in the surface
+// cache where the tile has a place there. The texel map says which triangle a lumel lies on; gutter lumels extend the
+// nearest triangle, so that filter taps across a chart's border meet a smooth continuation.
 #include "lib/footprint.glsl"
 #include "lib/geometry.glsl"
-#include "lib/surface.glsl"
-#include "lib/tiles.glsl"
-
-// Lanes: 64, or on devices that run 8 at a time 8, which go over a tile row by row. What they have in common is then
-// loaded once for the tile and not once for each row.
-layout(local_size_x_id = 3) in;
-layout(push_constant, scalar) uniform Constants { LightPush push; };
-layout(set = 2, binding = 0, rgba16f) uniform image2DArray lit;
+#include "lib/light_tiles.glsl"
+#include "lib/material.glsl"
 
 // What lumels of a tile have in common.
 struct TileSurface {
     mat4 worldFromObject;
     mat3 worldFromObjectNormal;
+    Texels texels;
     Vertices vertices;
     Indices indices;
     Colours colours;
@@ -31,8 +26,8 @@ struct TileSurface {
 
 TileSurface surfaceOf(ObjectAt object, uint level, uvec2 size)
 {
-    return TileSurface(object.at.worldFromObject, object.at.worldFromObjectNormal, object.at.vertices,
-                       object.at.indices, object.at.colours,
+    return TileSurface(object.at.worldFromObject, object.at.worldFromObjectNormal, object.at.texels,
+                       object.at.vertices, object.at.indices, object.at.colours,
                        float(level) + vec2(object.at.materialLevelOffset, object.at.emissiveLevelOffset), size,
                        object.at.flags, object.at.dielectric);
 }
@@ -65,7 +60,7 @@ MaterialPlace materialPlace(TileSurface surface, Vertex a, Vertex b, Vertex c, v
 }
 
 // The lumel's point on the surface; uv is its centre's.
-ShadingPoint pointOf(TileSurface surface, uvec2 lumel, uint triangle)
+SurfacePoint pointOf(TileSurface surface, uvec2 lumel, uint triangle)
 {
     uvec3 corners = uvec3(surface.indices.at[3u * triangle - 3u], surface.indices.at[3u * triangle - 2u],
                           surface.indices.at[3u * triangle - 1u]);
@@ -85,67 +80,27 @@ ShadingPoint pointOf(TileSurface surface, uvec2 lumel, uint triangle)
             colour += w[corner] * unpackColour(surface.colours.at[corners[corner]]).rgb;
         material = tinted(surface.flags, surface.dielectric, material, max(colour, vec3(0.0))); // gutters extrapolate
     }
-    return shadingPoint(surface.flags, material, (surface.worldFromObject * vec4(position, 1.0)).xyz,
+    return surfacePoint(surface.flags, material, (surface.worldFromObject * vec4(position, 1.0)).xyz,
                         surface.worldFromObjectNormal * normal,
                         vec4(mat3(surface.worldFromObject) * tangent, a.tangent.w));
 }
 
-// Squared change in display value from what the lumel held. A square root stands for the display transform.
-float changeOf(vec3 before, vec3 after, float exposure)
+TileSurface tileSurface;
+uint firstTexel;
+
+void beginTile(LitObject object, JobTile job)
 {
-    vec3 d = sqrt(min(after * exposure, vec3(1.0))) - sqrt(min(before * exposure, vec3(1.0)));
-    return dot(d, d) / 3.0;
+    uint mip = placeMip(job.tile.place), level = object.litLevel + mip;
+    tileSurface = surfaceOf(objectAt(job.tile.object), level, mipSize(object, mip));
+    firstTexel = texelOffset(object, level);
 }
 
-uint listedSlot, firstListed, shadowsListed; // of the tile
-uint listedLights(uint word)
+LumelSurface surfaceOfLumel(uvec2 lumel)
 {
-    return word == 0u ? firstListed : push.tiles.at[listedSlot].lights[word];
-}
-
-uint listedShadows()
-{
-    return shadowsListed;
-}
-
-void lightTile(uint slot)
-{
-    Tile tile = push.tiles.at[slot].tile;
-    listedSlot = slot;
-    firstListed = view.lightCount > 0u ? push.tiles.at[slot].lights[0] : 0u; // select.comp writes what there is
-    shadowsListed = (kFeatures & kFeatureShadows) != 0u ? shadowsAmongListed() : 0u;
-    ObjectAt object = objectAt(tile.object);
-    uint mip = placeMip(tile.place);
-    uint level = object.at.litLevel + mip;
-    TileSurface surface = surfaceOf(object, level, mipSize(object, mip));
-    ivec3 origin = ivec3(mipOrigin(mipSize(object, 0u), mip), object.at.layer);
-    Texels texels = object.at.texels;
-    uint firstTexel = object.at.texelOffsets[level], texelsAcross = max(object.at.litSize.x >> level, 1u);
-    uint change = 0u;
-    for (uint row = gl_LocalInvocationIndex / kTileSize; row < kTileSize; row += gl_WorkGroupSize.x / kTileSize) {
-        uvec2 lumel = placeTile(tile.place) * kTileSize + uvec2(gl_LocalInvocationIndex % kTileSize, row);
-        if (any(greaterThanEqual(lumel, surface.size)))
-            break;
-        ivec3 place = origin + ivec3(lumel, 0);
-        uint triangle = texels.at[firstTexel + lumel.y * texelsAcross + lumel.x] & kTexelTriangleMask;
-        if (triangle == 0u) { // a former owner's lumels could be not-a-number
-            imageStore(lit, place, vec4(0.0));
-            continue;
-        }
-        ShadingPoint point = pointOf(surface, lumel, triangle);
-        vec3 radiance = storable(point.radiance + reflectedFromListed(point));
-        // Integers add up to the same sum in every order.
-        change += uint(changeOf(imageLoad(lit, place).rgb, radiance, view.exposure) * (kChangeUnit / 64.0));
-        imageStore(lit, place, vec4(radiance, 1.0));
-    }
-    uint sum = subgroupAdd(change);
-    if (subgroupElect())
-        atomicAdd(object.at.tiles.at[tileIndex(object, mip, placeTile(tile.place))].change, sum);
-}
-
-void main()
-{
-    Job job = push.jobs.at[push.job];
-    for (uint i = gl_WorkGroupID.x; i < listed(job); i += gl_NumWorkGroups.x)
-        lightTile(job.first + i);
+    LumelSurface result = LumelSurface(noSurface(), uvec2(0u), false);
+    uint triangle = tileSurface.texels.at[firstTexel + lumel.y * tileSurface.size.x + lumel.x] & kTexelTriangleMask;
+    if (triangle != 0u)
+        result.record = packSurface(pointOf(tileSurface, lumel, triangle));
+    result.changed = true;
+    return result;
 }

@@ -1,16 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Lower levels: a lumel is the average of its four children, weighted by how much surface they cover. A gutter
-// lumel takes the mean of the covered lumels near it (dilation), nearer ones weighing more, so that no filter
-// tap meets an unlit lumel. A group derives one tile after another of its job's list, and all of an object's tail.
+// lumel is the nearest covered lumel, as the texel map says, so that no filter tap meets an unlit lumel. A group derives
+// one tile after another of its job's list, and all of an object's tail.
 #define LUMEL_TILE_STATES coherent // a tail's MIPs are made of each other
 #include "lib/tiles.glsl"
 
 layout(local_size_x_id = 3) in; // lanes, as in light.comp
 layout(push_constant, scalar) uniform Constants { LightPush push; };
 layout(set = 1, binding = 0, rgba16f) coherent uniform image2DArray lit;
-
-const int kDilation = 2; // lumels: the reach of a cubic filter's taps
 
 // One MIP of a lit texture: where its lumels, tiles and texel map entries lie.
 struct Mip {
@@ -20,11 +18,11 @@ struct Mip {
     uint firstTile;
     uint tilesAcross;
 };
-Mip mipOf(ObjectAt object, uint mip)
+Mip mipOf(LitObject object, uint mip)
 {
     uvec2 size = mipSize(object, mip);
-    return Mip(size, mipOrigin(mipSize(object, 0u), mip), object.at.texelOffsets[object.at.litLevel + mip],
-               object.at.tileOffsets[mip], tileCount(size).x);
+    return Mip(size, mipOrigin(mipSize(object, 0u), mip), texelOffset(object, object.litLevel + mip),
+               tileOffset(object, mip), tileCount(size).x);
 }
 
 // What lumels of a tile have in common.
@@ -32,7 +30,6 @@ struct Source {
     Mip fine, coarse;
     uvec2 ratio; // of their sizes: 2, or 1 once an axis has reached one lumel
     Texels texels;
-    TileStates tiles;
     uint layer;
 };
 
@@ -41,91 +38,84 @@ uint texelOf(Source source, Mip mip, uvec2 lumel)
     return source.texels.at[mip.firstTexel + lumel.y * mip.size.x + lumel.x];
 }
 
-// rgb: weighted sum of the children's radiance, a: sum of weights. Only children in lit tiles.
-vec4 gather(Source source, uvec2 lumel)
+// Linear radiance, and in w whether any of the children holds light.
+vec4 derive(Source source, uvec2 lumel)
 {
+    uint texel = texelOf(source, source.coarse, lumel);
+    if ((texel & kTexelGutter) != 0u)
+        lumel = uvec2(ivec2(lumel) + gutterSource(texel));
     vec4 sum = vec4(0.0);
-    uvec2 first = lumel * source.ratio, tile = first / kTileSize;
-    if (source.tiles.at[source.fine.firstTile + tile.y * source.fine.tilesAcross + tile.x].lit == 0u)
-        return sum;
     for (uint j = 0u; j < source.ratio.y; ++j)
         for (uint i = 0u; i < source.ratio.x; ++i) {
-            uvec2 child = first + uvec2(i, j);
-            float weight = float(texelOf(source, source.fine, child) >> kTexelCoverageShift);
-            if (weight > 0.0)
-                sum += weight * vec4(imageLoad(lit, ivec3(source.fine.origin + child, source.layer)).rgb, 1.0);
+            uvec2 child = lumel * source.ratio + uvec2(i, j);
+            vec4 light = imageLoad(lit, ivec3(source.fine.origin + child, source.layer));
+            sum += float(texelCoverage(texelOf(source, source.fine, child))) * light.a * vec4(light.rgb, 1.0);
         }
-    return sum;
+    return sum.a > 0.0 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }
 
-vec3 derive(Source source, uvec2 lumel)
+// quads: that were derived. newer: whose former light is out of date.
+void noteDerived(LitObject object, uint index, uint quads, uint newer, uint youngest, TileState child, bool waited)
 {
-    vec4 sum = vec4(0.0);
-    uint texel = texelOf(source, source.coarse, lumel);
-    if (texel >> kTexelCoverageShift > 0u) {
-        sum = gather(source, lumel);
-    } else if (texel != 0u) {
-        for (int j = -kDilation; j <= kDilation; ++j)
-            for (int i = -kDilation; i <= kDilation; ++i) {
-                ivec2 near = ivec2(lumel) + ivec2(i, j);
-                if (any(lessThan(near, ivec2(0))) || any(greaterThanEqual(near, ivec2(source.coarse.size))))
-                    continue;
-                if (texelOf(source, source.coarse, uvec2(near)) >> kTexelCoverageShift == 0u)
-                    continue;
-                vec4 found = gather(source, uvec2(near));
-                float distance2 = float(i * i + j * j);
-                sum += found / max(found.a, 1e-6) / (distance2 * distance2);
-            }
+    uint held = object.tiles.at[index].held, derived = held >> 16u;
+    held = (held & kAllQuads & ~quads) | (((derived & ~newer) | quads) << 16u);
+    object.tiles.at[index].held = held;
+    object.tiles.at[index].derived = youngest;
+    if ((held & kAllQuads) == 0u) { // all that is known of its light is its child's
+        object.tiles.at[index].lit = youngest;
+        object.tiles.at[index].eye = child.eye;
+        object.tiles.at[index].centre = child.centre;
+        object.tiles.at[index].radius = 2.0 * child.radius;
+        object.tiles.at[index].rate = rateOf(child);
+        object.tiles.at[index].turned = kTurnedOfDerived;
+        object.tiles.at[index].change = 0u;
     }
-    return sum.rgb / max(sum.a, 1e-6);
+    if (object.tiles.at[index].shown == 0u)
+        object.tiles.at[index].shown = waited ? view.frame : kShownAtOnce;
 }
 
-void deriveTile(ObjectAt object, uint mip, uvec2 tile)
+// wrong: quads whose light must not be drawn, even where no sample saw that it is needed.
+void deriveTile(LitObject object, uint mip, uvec2 tile, uint quads, uint wrong, bool waited)
 {
-    if (push.waiting != 0u && childrenLit(object, mip, tile) == 0u)
-        return; // not yet
-    Source source = Source(mipOf(object, mip - 1u), mipOf(object, mip),
-                           mipSize(object, mip - 1u) / mipSize(object, mip), object.at.texels, object.at.tiles,
-                           object.at.layer);
-    uint local = gl_LocalInvocationIndex;
-    for (uint row = local / kTileSize; row < kTileSize; row += gl_WorkGroupSize.x / kTileSize) {
-        uvec2 lumel = tile * kTileSize + uvec2(local % kTileSize, row);
-        if (any(greaterThanEqual(lumel, source.coarse.size)))
-            break;
-        imageStore(lit, ivec3(source.coarse.origin + lumel, source.layer), vec4(derive(source, lumel), 1.0));
-    }
-    if (local != 0u)
-        return;
     uint index = tileIndex(object, mip, tile);
-    uvec2 ratio = mipSize(object, mip - 1u) / mipSize(object, mip);
-    TileState child = lightState(object, tileIndex(object, mip - 1u, tile * ratio));
-    bool waited = (object.at.tiles.at[index].derive & kDeriveWaited) != 0u;
-    object.at.tiles.at[index].lit = childrenLit(object, mip, tile);
-    object.at.tiles.at[index].eye = child.eye;
-    object.at.tiles.at[index].centre = child.centre;
-    object.at.tiles.at[index].radius = 2.0 * child.radius;
-    object.at.tiles.at[index].rate = rateOf(child);
-    object.at.tiles.at[index].turned = kTurnedOfDerived;
-    object.at.tiles.at[index].change = 0u;
-    if (object.at.tiles.at[index].shown == 0u)
-        object.at.tiles.at[index].shown = waited ? view.frame : kShownAtOnce;
+    Children children = childrenOf(object, mip, tile, object.tiles.at[index].derived);
+    quads &= children.held & (children.newer | ~(object.tiles.at[index].held >> 16u)); // the others are up to date
+    Source source = Source(mipOf(object, mip - 1u), mipOf(object, mip),
+                           mipSize(object, mip - 1u) / mipSize(object, mip), object.texels, object.layer);
+    uint changed = quads | wrong;
+    uint local = gl_LocalInvocationIndex, count = bitCount(changed);
+    for (uint i = local / kQuadLumels; i < count; i += gl_WorkGroupSize.x / kQuadLumels) {
+        uint quad = quadOf(changed, i);
+        uvec2 lumel = tile * kTileSize + lumelOf(quad, local % kQuadLumels);
+        vec4 light = (quads >> quad & 1u) != 0u ? derive(source, lumel) : vec4(0.0);
+        if (all(lessThan(lumel, source.coarse.size)))
+            imageStore(lit, ivec3(source.coarse.origin + lumel, source.layer), light);
+    }
+    barrier(); // all have read the tile's state
+    if (local != 0u || changed == 0u)
+        return;
+    atomicAdd(push.plan.at.quadsDerived, bitCount(quads));
+    TileState child = lightState(object, tileIndex(object, mip - 1u, tile * source.ratio));
+    noteDerived(object, index, quads, children.newer | wrong, children.youngest, child, waited);
 }
 
 void main()
 {
     Job job = push.jobs.at[push.job];
     for (uint i = gl_WorkGroupID.x; i < listed(job); i += gl_NumWorkGroups.x) {
-        Tile tile = push.tiles.at[job.first + i].tile;
-        ObjectAt object = objectAt(tile.object);
-        uint mip = placeMip(tile.place), last = mip < derivedTail(object.at.mips) ? mip : object.at.mips - 1u;
+        JobTile entry = push.tiles.at[job.first + i];
+        LitObject object = litObject(entry.tile.object);
+        uint mip = placeMip(entry.tile.place), last = mip < derivedTail(object.mips) ? mip : object.mips - 1u;
+        bool waited = (entry.tile.place & kPlaceWaited) != 0u;
+        uint quads = entry.quads & kAllQuads, wrong = entry.quads >> 16u;
         for (; mip <= last; ++mip) {
-            uint derive = object.at.tiles.at[tileIndex(object, mip, placeTile(tile.place))].derive;
-            if ((derive & kDeriveQueued) != 0u && derive >> kDeriveBits == view.frame)
-                deriveTile(object, mip, placeTile(tile.place));
+            deriveTile(object, mip, placeTile(entry.tile.place), quads, wrong, waited);
             if (mip < last) {
                 memoryBarrierImage();
                 memoryBarrierBuffer();
                 barrier(); // the next MIP is made of this one
+                quads = surfaceQuads(object, mip + 1u, uvec2(0u)); // the view needs all of it
+                wrong = 0u;
             }
         }
     }

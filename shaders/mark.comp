@@ -1,97 +1,117 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Plan, first step: every sample of the feedback pass marks the tiles that drawing its block of pixels will read,
+// Plan, first step: every sample of the feedback pass marks the quads that drawing its block of pixels will read,
 // at the two MIPs that it blends and, as a fallback, three MIPs coarser. Every object's tail
-// MIPs are marked too. A tile enters the list the first time it is marked in a frame.
+// MIPs are marked too. A tile enters the list the first time one of its quads is marked in a frame.
 #include "lib/footprint.glsl"
-#include "lib/rows.glsl"
-#include "lib/tiles.glsl"
+#include "lib/plan.glsl"
 
 layout(local_size_x = 64) in;
-layout(push_constant, scalar) uniform Constants { PlanPush push; };
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D seen;
 
-const int kWidest = 8;              // tiles along either axis that one sample may mark
+const int kWidest = 32;             // quads along either axis that one sample may mark
 const float kLevelMargin = 0.1;     // the pixels of a block differ in level
 const uint kFallback = 3u;          // MIPs
+const int kTileQuads = int(kTileSize / kQuadSize); // along either axis
 
-void mark(ObjectAt object, uint objectIndex, uint mip, uvec2 tile, uint frame)
+void mark(LitObject object, uint objectIndex, uint mip, uvec2 tile, uint quads)
 {
     uint index = tileIndex(object, mip, tile);
     // Reading first spares most atomics.
-    if (object.at.tiles.at[index].marked == frame)
+    if ((object.tiles.at[index].needed & quads) == quads)
         return;
-    uint before = atomicExchange(object.at.tiles.at[index].marked, frame);
-    if (before == frame)
-        return;
+    uint before = atomicOr(object.tiles.at[index].needed, quads);
+    if ((before & kAllQuads) != 0u)
+        return; // it is in the list
     uint slot = atomicAdd(push.plan.at.marked, 1u);
     if (slot >= push.markCapacity) {
-        atomicExchange(object.at.tiles.at[index].marked, before); // coarser tiles may not rely on its light
+        atomicAnd(object.tiles.at[index].needed, ~kAllQuads); // coarser tiles may not rely on its light
         atomicAdd(push.plan.at.dropped, 1u);
         return;
     }
-    push.marks.at[slot] = Mark(Tile(objectIndex, packPlace(mip, tile) | (before != 0u && before + 1u == frame ? kPlaceWaited : 0u)), 0u);
+    uint lastFrame = before >> 16u;
+    uint waited = lastFrame != 0u && lastFrame == ((view.frame - 1u) & 0xffffu) ? kPlaceWaited : 0u;
+    push.marks.at[slot] = Mark(Tile(objectIndex, packPlace(mip, tile) | waited), 0u, 0u);
 }
 
-// The tiles within `reach` of the parallelogram that the sample's block of pixels covers.
-void markBlock(ObjectAt object, uint objectIndex, uint mip, vec2 uv, vec2 dx, vec2 dy, vec2 axis, uint frame)
+// A row's quads from first to last, of the tile whose first is at `origin`.
+uint rowQuads(int first, int last, int origin)
 {
-    uvec2 size = mipSize(object, mip);
-    vec2 centre = uv * vec2(size);
-    vec2 halfX = 0.5 * push.divisor * dx * vec2(size), halfY = 0.5 * push.divisor * dy * vec2(size);
-    vec2 along = axis * vec2(size);
+    int a = max(first - origin, 0), b = min(last - origin, kTileQuads - 1);
+    return b < a ? 0u : ((2u << uint(b - a)) - 1u) << uint(a);
+}
+
+// The quads within `reach` of the parallelogram that the sample's block of pixels covers.
+void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, vec2 dy, vec2 axis)
+{
+    vec2 size = vec2(mipSize(object, mip)), centre = uv * size;
+    vec2 halfX = 0.5 * push.divisor * dx * size, halfY = 0.5 * push.divisor * dy * size, along = axis * size;
     vec2 extent = abs(halfX) + abs(halfY) + abs(along) + push.reach;
-    float tileSize = float(kTileSize);
-    ivec2 last = ivec2(tileCount(size)) - 1;
-    ivec2 lower = clamp(ivec2(floor((centre - extent) / tileSize)), ivec2(0), last);
-    ivec2 upper = clamp(ivec2(floor((centre + extent) / tileSize)), ivec2(0), last);
-    ivec2 middle = clamp(ivec2(floor(centre / tileSize)), ivec2(0), last);
+    ivec2 lower = ivec2(floor(clamp(centre - extent, vec2(0.0), size - 1.0) / float(kQuadSize)));
+    ivec2 upper = ivec2(floor(clamp(centre + extent, vec2(0.0), size - 1.0) / float(kQuadSize)));
+    ivec2 middle = ivec2(clamp(centre, vec2(0.0), size - 1.0) / float(kQuadSize));
     lower = max(lower, middle - kWidest / 2);
     upper = min(upper, middle + kWidest / 2);
-    // Long footprints are thin: the separating axis test across them leaves out their box's corners.
+    // Long footprints are thin: of each row of quads only the part within the strip along their axis counts.
     vec2 across = vec2(-along.y, along.x);
     float acrossLength = length(across);
+    bool isLong = acrossLength > 1.0;
     across = acrossLength > 1e-6 ? across / acrossLength : vec2(0.0);
-    float thickness = abs(dot(across, halfX)) + abs(dot(across, halfY)) +
-                      (push.reach + 0.5 * tileSize) * (abs(across.x) + abs(across.y));
-    for (int y = lower.y; y <= upper.y; ++y)
-        for (int x = lower.x; x <= upper.x; ++x) {
-            vec2 offset = (vec2(x, y) + 0.5) * tileSize - centre;
-            if (abs(dot(across, offset)) <= thickness)
-                mark(object, objectIndex, mip, uvec2(x, y), frame);
+    float thickness = abs(dot(across, halfX)) + abs(dot(across, halfY)) + push.reach * (abs(across.x) + abs(across.y));
+    float perLumel = abs(across.x) > 0.01 ? 1.0 / across.x : 1e6; // x where the strip's middle is, for each dot
+    ivec2 first = lower / kTileQuads, last = upper / kTileQuads;
+    for (int y = first.y; y <= last.y; ++y)
+        for (int x = first.x; x <= last.x; ++x) {
+            ivec2 origin = ivec2(x, y) * kTileQuads;
+            uint row = rowQuads(lower.x, upper.x, origin.x);
+            uint rows = rowQuads(lower.y, upper.y, origin.y);
+            uint quads = row * ((rows & 1u) | (rows & 2u) << 3u | (rows & 4u) << 6u | (rows & 8u) << 9u);
+            for (int i = 0; i < (isLong ? kTileQuads : 0); ++i) {
+                float top = float((origin.y + i) * int(kQuadSize)) - centre.y;
+                vec2 middles = -across.y * perLumel * vec2(top, top + float(kQuadSize));
+                float halfWidth = thickness * abs(perLumel);
+                float left = min(middles.x, middles.y) - halfWidth, right = max(middles.x, middles.y) + halfWidth;
+                vec2 ends = clamp(centre.x + vec2(left, right), vec2(0.0), vec2(size.x - 1.0)) / float(kQuadSize);
+                uint inside = rowQuads(int(floor(ends.x)), int(floor(ends.y)), origin.x) << uint(kTileQuads * i);
+                quads &= inside | ~(0xfu << uint(kTileQuads * i));
+            }
+            if (quads != 0u)
+                mark(object, objectIndex, mip, uvec2(x, y), quads);
         }
+}
+
+// The tail's MIPs are a tile each.
+void markTail(LitObject object, uint objectIndex)
+{
+    for (uint mip = tailMip(object.mips); mip < object.mips; ++mip) {
+        uvec2 tiles = tileCount(mipSize(object, mip));
+        for (uint tile = 0u; tile < tiles.x * tiles.y; ++tile)
+            mark(object, objectIndex, mip, uvec2(tile % tiles.x, tile / tiles.x), kAllQuads);
+    }
 }
 
 void main()
 {
     uint index = listIndex();
-    if (index < push.objectCount && objectAt(index).at.mips > 0u) {
-        ObjectAt object = objectAt(index);
-        for (uint mip = tailMip(object.at.mips); mip < object.at.mips; ++mip) {
-            uvec2 tiles = tileCount(mipSize(object, mip));
-            for (uint tile = 0u; tile < tiles.x * tiles.y; ++tile)
-                mark(object, index, mip, uvec2(tile % tiles.x, tile / tiles.x), view.frame);
-        }
-    }
+    if (index < push.objectCount && litObject(index).mips > 0u)
+        markTail(litObject(index), index);
     if (index >= push.samples.x * push.samples.y)
         return;
     uvec4 seenBy = imageLoad(seen, ivec2(index % push.samples.x, index / push.samples.x));
     if (seenBy.x == 0u)
         return;
     uint objectIndex = seenBy.x - 1u;
-    ObjectAt object = objectAt(objectIndex);
-    if (object.at.mips == 0u)
+    LitObject object = litObject(objectIndex);
+    if (object.mips == 0u)
         return;
     vec2 uv = unpackUnorm2x16(seenBy.y), dx = unpackHalf2x16(seenBy.z), dy = unpackHalf2x16(seenBy.w);
-    Footprint footprint = footprintOf(dx, dy, vec2(object.at.litSize), view.anisotropy);
+    Footprint footprint = footprintOf(dx, dy, vec2(object.litSize), view.anisotropy);
     vec2 axis = footprint.taps > 1 ? footprint.axis : vec2(0.0);
     float level = footprint.level + view.levelOffset;
     float finest = mipPosition(object, level - kLevelMargin), coarsest = mipPosition(object, level + kLevelMargin);
     uint first = uint(finest);
     uint last = uint(coarsest) + (coarserWeight(coarsest) > 0.0 ? 1u : 0u);
-    for (uint mip = first; mip <= min(last, object.at.mips - 1u); ++mip)
-        markBlock(object, objectIndex, mip, uv, dx, dy, axis, view.frame);
-    uint fallback = min(last + kFallback, object.at.mips - 1u);
-    uvec2 size = mipSize(object, fallback);
-    mark(object, objectIndex, fallback, min(uvec2(uv * vec2(size)) / kTileSize, tileCount(size) - 1u), view.frame);
+    for (uint mip = first; mip <= min(last, object.mips - 1u); ++mip)
+        markBlock(object, objectIndex, mip, uv, dx, dy, axis);
+    markBlock(object, objectIndex, min(last + kFallback, object.mips - 1u), uv, vec2(0.0), vec2(0.0), vec2(0.0));
 }

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // What alpha cuts out of a surface casts no shadow.
 #include "lib/footprint.glsl"
-#include "lib/surface.glsl"
+#include "lib/material.glsl"
 
 layout(push_constant, scalar) uniform Constants { ShadowPush push; };
 layout(location = 0) in vec2 materialUv;

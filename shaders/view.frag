@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // What lies behind the picture, as colours: one quantity of the material or of the lit texture, by push.kind.
 #include "lib/footprint.glsl"
-#include "lib/surface.glsl"
+#include "lib/material.glsl"
 #include "lib/tiles.glsl"
 
 layout(push_constant, scalar) uniform Constants { ViewPush push; };
@@ -22,6 +22,11 @@ uint listedShadows()
     return 0u;
 }
 
+float listedVisibility(uint shadow, ShadingPoint point, vec3 toLight)
+{
+    return 1.0;
+}
+
 // 0 to 1 as blue, green, yellow, red.
 vec3 heat(float t)
 {
@@ -29,13 +34,13 @@ vec3 heat(float t)
     return 0.7 * clamp(vec3(3.0 * t - 1.0, 1.5 - abs(3.0 * t - 1.5), 1.0 - 3.0 * t) + vec3(0.0, 0.2, 0.1), 0.0, 1.0);
 }
 
-vec3 tileView(ObjectAt object, float level)
+vec3 tileView(LitObject object, float level)
 {
-    uint mips = clamp(object.at.mips, 1u, kMaxLevels);
+    uint mips = clamp(object.mips, 1u, kMaxLevels);
     uint mip = min(uint(mipPosition(object, level)), mips - 1u);
     vec2 size = vec2(mipSize(object, mip));
     uvec2 tile = uvec2(clamp(uv * size, vec2(0.0), size - 1.0)) / kTileSize;
-    TileState state = object.at.tiles.at[tileIndex(object, mip, tile)];
+    TileState state = object.tiles.at[tileIndex(object, mip, tile)];
     float checker = ((tile.x + tile.y) & 1u) == 0u ? 1.0 : 0.8;
     if (push.kind == kViewOvershading) { // lumels lit in this frame for each pixel, 0 to 8; dark: none
         vec2 dx = dFdx(uv) * size, dy = dFdy(uv) * size;
@@ -46,14 +51,14 @@ vec3 tileView(ObjectAt object, float level)
         return checker * (state.lit == view.frame ? vec3(0.7, 0.15, 0.1) : vec3(0.25));
     if (push.kind == kViewAge)
         return checker * (state.lit == 0u ? vec3(0.6, 0.0, 0.6) : heat(float(view.frame - state.lit) / 32.0));
-    return checker * heat(float(object.at.litLevel + mip) / 10.0); // kViewLevel
+    return checker * heat(float(object.litLevel + mip) / 10.0); // kViewLevel
 }
 
 // Texture coordinates as a fine checker: it breaks where charts meet. Gutters that show are white.
-vec3 chartView(ObjectAt object)
+vec3 chartView(LitObject object)
 {
-    uvec2 lumel = min(uvec2(uv * vec2(object.at.litSize)), object.at.litSize - 1u);
-    if (texelAt(object, 0u, lumel) >> kTexelCoverageShift == 0u)
+    uvec2 lumel = min(uvec2(uv * vec2(object.litSize)), object.litSize - 1u);
+    if (texelCoverage(texelAt(object, 0u, lumel)) == 0u)
         return vec3(0.9);
     bool light = ((lumel.x / 32u + lumel.y / 32u) & 1u) == 0u;
     return (light ? 0.6 : 0.35) * vec3(uv, 0.4);
@@ -71,11 +76,11 @@ vec3 lobeView(MaterialTexel material)
 
 void main()
 {
-    ObjectAt object = objectAt(push.draw.object);
+    LitObject object = litObject(push.draw.object);
     float level = max(levelOf(mapNormal, dFdx(materialUv.xy), dFdy(materialUv.xy), 1.0), 0.0);
-    Footprint lit = footprintOf(dFdx(uv), dFdy(uv), vec2(object.at.litSize), view.anisotropy);
+    Footprint lit = footprintOf(dFdx(uv), dFdy(uv), vec2(object.litSize), view.anisotropy);
     MaterialTexel texel = sampleMaterial(materialUv, vec2(level));
-    bool inTextureSpace = object.at.mips > 0u;
+    bool inTextureSpace = object.mips > 0u;
     vec3 shown = vec3(0.0);
     if (push.kind == kViewMode) // green: texture space, red: forward
         shown = inTextureSpace ? vec3(0.1, 0.5, 0.15) : vec3(0.6, 0.15, 0.1);

@@ -203,11 +203,12 @@ void Device::createDevice()
     // Sets: one a material, a pool block and a pass. 4096 materials with 8 images each fill it.
     const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eCombinedImageSampler, 32768},
                                             {vk::DescriptorType::eStorageImage, 16384},
-                                            {vk::DescriptorType::eUniformBuffer, 64}};
+                                            {vk::DescriptorType::eUniformBuffer, 64},
+                                            {vk::DescriptorType::eUniformTexelBuffer, 64}};
     descriptorPool_ =
         vk::raii::DescriptorPool(device_, {.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
                                            .maxSets = 8192,
-                                           .poolSizeCount = 3,
+                                           .poolSizeCount = uint32_t(std::size(sizes)),
                                            .pPoolSizes = sizes});
     fence_ = vk::raii::Fence(device_, vk::FenceCreateInfo{});
 }

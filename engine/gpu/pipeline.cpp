@@ -135,6 +135,17 @@ void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding,
         nullptr);
 }
 
+void writeTexels(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::BufferView view)
+{
+    device.handle().updateDescriptorSets(
+        vk::WriteDescriptorSet{.dstSet = set,
+                               .dstBinding = binding,
+                               .descriptorCount = 1,
+                               .descriptorType = vk::DescriptorType::eUniformTexelBuffer,
+                               .pTexelBufferView = &view},
+        nullptr);
+}
+
 Pipeline makeComputePipeline(const Device& device, const std::string& shader,
                              const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
                              uint32_t features)

@@ -20,6 +20,7 @@ void writeSampled(const Device& device, vk::DescriptorSet set, uint32_t binding,
                   vk::ImageView view, vk::ImageLayout layout = vk::ImageLayout::eShaderReadOnlyOptimal);
 void writeUniform(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::Buffer buffer);
 void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::ImageView view);
+void writeTexels(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::BufferView view);
 
 struct Pipeline {
     vk::raii::PipelineLayout layout = nullptr;

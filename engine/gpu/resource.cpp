@@ -14,11 +14,11 @@ Buffer::Buffer(const Device& device, size_t bytes, MemoryUsage memoryUsage, cons
         throw Error(fmt::format("Vulkan: {} has maxBufferSize {}, {} needed: {}", device.limits().device,
                                 device.limits().maxBufferSize, size_, remedy));
     using Usage = vk::BufferUsageFlagBits;
-    buffer_ = vk::raii::Buffer(device.handle(), {.size = size_,
-                                                 .usage = Usage::eStorageBuffer | Usage::eIndirectBuffer |
-                                                          Usage::eIndexBuffer | Usage::eVertexBuffer |
-                                                          Usage::eUniformBuffer | Usage::eTransferSrc |
-                                                          Usage::eTransferDst | Usage::eShaderDeviceAddress});
+    buffer_ = vk::raii::Buffer(
+        device.handle(), {.size = size_,
+                          .usage = Usage::eStorageBuffer | Usage::eIndirectBuffer | Usage::eIndexBuffer |
+                                   Usage::eVertexBuffer | Usage::eUniformBuffer | Usage::eUniformTexelBuffer |
+                                   Usage::eTransferSrc | Usage::eTransferDst | Usage::eShaderDeviceAddress});
     using Property = vk::MemoryPropertyFlagBits;
     const auto wanted = memoryUsage == MemoryUsage::host ? Property::eHostVisible | Property::eHostCoherent
                                                          : vk::MemoryPropertyFlags(Property::eDeviceLocal);
@@ -28,6 +28,17 @@ Buffer::Buffer(const Device& device, size_t bytes, MemoryUsage memoryUsage, cons
     if (memoryUsage == MemoryUsage::host)
         mapped_ = memory_.handle.mapMemory(0, size_);
     device.name(buffer_, name);
+}
+
+vk::raii::BufferView makeTexelView(const Device& device, const Buffer& buffer)
+{
+    const size_t texels = buffer.size() / (4 * sizeof(uint32_t)),
+                 most = device.limits().core.maxTexelBufferElements;
+    if (texels > most)
+        throw Error(fmt::format("Vulkan: {} has maxTexelBufferElements {}, {} needed: use a smaller scene",
+                                device.limits().device, most, texels));
+    return {device.handle(),
+            {.buffer = buffer.handle(), .format = vk::Format::eR32G32B32A32Uint, .range = VK_WHOLE_SIZE}};
 }
 
 void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Buffer& to)

@@ -33,6 +33,9 @@ private:
     void* mapped_ = nullptr;
 };
 
+// All of a buffer as texels of four words. Throws Error when they are more than the device takes.
+vk::raii::BufferView makeTexelView(const Device& device, const Buffer& buffer);
+
 // A device buffer filled with `data` through a staging copy.
 Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const std::string& name);
 

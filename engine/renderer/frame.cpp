@@ -43,6 +43,7 @@ void Renderer::recordTextureSpace(Frame& frame)
     plan_.record(frame, feedback_);          // which of its tiles are to be lit, derived or kept?
     light_.recordLight(frame, pool_, plan_); // light them, once: linear radiance
     light_.recordLower(frame, pool_, plan_); // derive coarser tiles
+    plan_.recordReadback(frame);             // how many?
 }
 
 Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene, const SceneResources& resources,
@@ -149,6 +150,8 @@ void Renderer::restart()
     detail_.reset();
     offsetsSeen_ = 0;
     lumelsPending_ = 0;
+    tilesMarked_ = 0;
+    plan_.surfaces().clear();
     known_ = {};
 }
 

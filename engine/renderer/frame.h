@@ -116,6 +116,7 @@ private:
     std::optional<tsl::Detail> detail_; // of the frame before, without the frame budget's bias
     uint32_t offsetsSeen_ = 0;          // of the feedback pass's cycle, in this very view
     size_t lumelsPending_ = 0;
+    size_t tilesMarked_ = 0; // by the last plan
     std::vector<tsl::ObjectFeedback> knownFeedback_;
     std::vector<uint8_t> inView_;
     FrameStats known_; // marks and pixels

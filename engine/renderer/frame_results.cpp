@@ -12,14 +12,17 @@ void Renderer::countLumels(const Frame& frame)
         const shared::Plan& plan = plan_.read();
         if (plan.dropped > 0)
             spdlog::error("{} entries exceeded the tile lists; report this", plan.dropped);
-        known_.lumelsMarked = plan.lumelsMarked;
-        known_.tilesMarked = plan.marked;
-        lumelsPending_ = plan.lumelsPending;
-        stats_.lumelsLit = plan.lumelsLit;
-        stats_.lumelsDerived = plan.lumelsDerived;
-        stats_.lumelsPending = plan.lumelsPending;
+        const auto lumels = [](uint32_t quads) { return size_t(quads) * shared::kQuadLumels; };
+        known_.lumelsMarked = lumels(plan.quadsMarked);
+        known_.tilesMarked = tilesMarked_ = plan.marked;
+        plan_.surfaces().taken(plan.surfacesTaken);
+        lumelsPending_ = lumels(plan.quadsPending);
+        stats_.lumelsLit = lumels(plan.quadsLit);
+        stats_.lumelsDerived = lumels(plan.quadsDerived);
+        stats_.lumelsPending = lumels(plan.quadsPending);
         stats_.tilesLit = plan.tilesLit;
-        stats_.lumelsKept = plan.lumelsMarked - plan.lumelsLit - plan.lumelsDerived;
+        stats_.lumelsKept =
+            known_.lumelsMarked - std::min(known_.lumelsMarked, stats_.lumelsLit + stats_.lumelsDerived);
     }
     stats_.lumelsMarked = known_.lumelsMarked;
     stats_.tilesMarked = known_.tilesMarked;
@@ -38,6 +41,7 @@ void Renderer::countFrame(const Frame& frame)
     stats_.budgetBias = quality_.levelBias;
     stats_.lumelBudget = frame.lumelBudget;
     stats_.poolUsedBytes = pool_.bookkeeping().usedBytes();
+    stats_.surfaceBytes = plan_.surfaces().bytes();
     stats_.poolCapBytes = pool_.bookkeeping().capBytes();
     stats_.poolTextures = pool_.bookkeeping().textureCount();
     for (size_t i = 0; i < frame.inView.size(); ++i) {

@@ -19,6 +19,7 @@ struct FrameStats {
     size_t tilesMarked = 0, tilesLit = 0;
     size_t pixelsCovered = 0; // by objects in texture space, from the feedback pass: a multiple of 16
     size_t poolUsedBytes = 0, poolCapBytes = 0, poolTextures = 0;
+    size_t surfaceBytes = 0; // of the surface cache, which shares the cap
     size_t objectsTsl = 0, objectsForward = 0, objectsCulled = 0;
     float levelBias = 0.0f, levelOffset = 0.0f, anisotropy = 1.0f;
     // RMSE in display values, where measured: of the picture against the reference's; of its difference to

@@ -30,6 +30,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Mat
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Floats { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Colours { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Histogram { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer Surfaces { uvec4 at[]; };
 
 // Pipelines by what lights their objects. The draw filter is constant 1.
 layout(constant_id = 0) const uint kFeatures = 0u; // kFeature...

@@ -1,77 +1,19 @@
-// From a point on a mesh to its radiance: material texels, the tangent frame, the light loop.
-// Used per lumel by light.comp and per pixel by forward.frag, so that both light the same way.
+// From a point of a surface to its radiance: what the eye sees of it, the light loop.
+// Used per lumel by the light pass and per pixel by forward.frag, so that both light the same way.
 #ifndef LUMEL_SURFACE_GLSL
 #define LUMEL_SURFACE_GLSL
 #include "lib/environment.glsl"
 #include "lib/interface.glsl"
 #include "lib/shadow.glsl"
 #include "shared/shading.h"
-#include "shared/tint.h"
 
-layout(set = 1, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
-layout(set = 1, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
-layout(set = 1, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
-layout(set = 1, binding = 3) uniform sampler2D mapEmissive;     // emitted radiance, ambient occlusion
-layout(set = 1, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
-layout(set = 1, binding = 5) uniform sampler2D mapBase;     // mean F0, mean variance of the level-0 lobes
-
-struct MaterialTexel {
-    vec2 normal;
-    vec3 covariance;
-    vec3 specular;
-    vec3 diffuse;
+// A point of a surface, whoever sees it.
+struct SurfacePoint {
+    SurfaceTexel texel; // double-sided surfaces: as seen from the front
+    vec3 position;
     vec3 emitted;
     float occlusion;
-    vec3 f0; // mean of the level-0 texels
-    float baseVariance;
 };
-
-MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 emissive, vec4 base)
-{
-    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, emissive.rgb, emissive.a,
-                         base.rgb, base.a);
-}
-
-// uv: of the reflectance (xy) and of emissive (zw). levels: of the reflectance and of emissive, which are chains of their own
-// sizes: each counts from its own map's finest level. They may be below 0.
-MaterialTexel sampleMaterial(vec4 uv, vec2 levels)
-{
-    levels = max(levels, vec2(0.0));
-    return unpackMaterial(textureLod(mapNormal, uv.xy, levels.x), textureLod(mapSpecular, uv.xy, levels.x),
-                          textureLod(mapDiffuse, uv.xy, levels.x), textureLod(mapEmissive, uv.zw, levels.y),
-                          textureLod(mapBase, uv.xy, levels.x)); // of the reflectance's size, or constant
-}
-
-MaterialTexel noMaterial()
-{
-    return MaterialTexel(vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, vec3(0.0), 0.0);
-}
-
-// All of it is linear: the maps hold means.
-void addMaterial(inout MaterialTexel sum, MaterialTexel texel, float weight)
-{
-    sum.normal += weight * texel.normal;
-    sum.covariance += weight * texel.covariance;
-    sum.specular += weight * texel.specular;
-    sum.diffuse += weight * texel.diffuse;
-    sum.emitted += weight * texel.emitted;
-    sum.occlusion += weight * texel.occlusion;
-    sum.f0 += weight * texel.f0;
-    sum.baseVariance += weight * texel.baseVariance;
-}
-
-MaterialTexel tinted(uint flags, float dielectric, MaterialTexel material, vec3 colour)
-{
-    if (dielectric >= 0.0) {
-        vec3 f0 = tintedSpecular(material.f0, material.diffuse, dielectric, colour);
-        material.specular *= f0 / max(material.f0, vec3(1e-6));
-        material.f0 = f0;
-    }
-    material.diffuse *= colour;
-    if ((flags & kObjectUnlit) != 0u)
-        material.emitted *= colour;
-    return material;
-}
 
 // A point of a surface as the lights see it.
 struct ShadingPoint {
@@ -81,39 +23,30 @@ struct ShadingPoint {
     vec3 radiance; // emitted, and reflected of what surrounds it
 };
 
-// position, normal, tangent (w = handedness) in world space, not necessarily unit.
-// flags: of the object.
-ShadingPoint shadingPoint(uint flags, MaterialTexel material, vec3 position, vec3 normal, vec4 tangent)
+// As the frame's eye sees it. flags: of the object.
+ShadingPoint shadingPoint(uint flags, SurfacePoint point)
 {
-    vec3 toEye = normalize(view.eyeInWorld - position);
-    vec3 n = normalize(normal);
-    bool flip = (flags & kObjectDoubleSided) != 0u && dot(n, toEye) < 0.0;
-    vec3 t = tangent.xyz - n * dot(n, tangent.xyz);
-    t = dot(t, t) > 1e-12 ? normalize(t) : normalize(abs(n.x) < 0.9 ? cross(n, vec3(1, 0, 0)) : cross(n, vec3(0, 1, 0)));
-    // Bitangents belong to the object: a transform that mirrors it mirrors them, but not the cross product.
-    bool mirrored = (flags & kObjectMirrored) != 0u;
-    vec3 b = cross(n, t) * ((tangent.w < 0.0) != mirrored ? -1.0 : 1.0);
+    vec3 toEye = normalize(view.eyeInWorld - point.position);
+    SurfaceTexel texel = point.texel;
     // Seen from behind, a bump is a dent: it is the map's normal that is reversed, and with it the whole frame.
-    n = flip ? -n : n;
-    t = flip ? -t : t;
-    b = flip ? -b : b;
+    bool flip = (flags & kObjectDoubleSided) != 0u && dot(texel.macroNormal, toEye) < 0.0;
+    float side = flip ? -1.0 : 1.0;
+    vec3 n = side * texel.macroNormal;
+    texel.macroNormal = n;
+    texel.lobe.normal *= side;
+    texel.lobe.tangentU *= side;
+    texel.lobe.tangentV *= side;
     // Lumels just behind the silhouette are filtered into pixels before it: they are lit as seen along their
     // horizon, so that no highlight of a surface seen from behind leaks around the edge.
     toEye = normalize(toEye - n * min(dot(n, toEye), 0.0) + 1e-6 * n);
-
-    Lobe local = makeLobe(lobeNormal(material.normal), material.covariance);
-    mat3 worldFromTangent = mat3(t, b, n);
-    Lobe lobe = Lobe(worldFromTangent * local.normal, worldFromTangent * local.tangentU,
-                     worldFromTangent * local.tangentV, local.inverseCovariance, local.scale);
-    SurfaceReflectance surface = reflectanceTowards(
-        SurfaceTexel(lobe, n, material.specular, material.f0, material.baseVariance, material.diffuse), toEye);
+    SurfaceReflectance surface = reflectanceTowards(texel, toEye);
     vec3 around;
     if ((kFeatures & kFeatureEnvironment) != 0u)
         around = surface.diffuse * environmentDiffuse(view.environment, surface.lobe.normal) +
                  reflectEnvironment(surface, toEye);
     else
         around = reflectAmbient(surface, view.skyRadiance, view.groundRadiance);
-    return ShadingPoint(surface, position, toEye, material.emitted + around * material.occlusion);
+    return ShadingPoint(surface, point.position, toEye, point.emitted + around * point.occlusion);
 }
 
 vec3 reflectedFrom(ShadingPoint point, Light light)
@@ -126,6 +59,8 @@ vec3 reflectedFrom(ShadingPoint point, Light light)
 uint listedLights(uint word);
 // Bit i: the light of view.shadows[i] is in the list.
 uint listedShadows();
+// How much of that light reaches the point.
+float listedVisibility(uint shadow, ShadingPoint point, vec3 toLight);
 
 uint shadowsAmongListed()
 {
@@ -143,9 +78,8 @@ vec3 reflectedFromShadowed(ShadingPoint point)
     vec3 radiance = vec3(0.0);
     for (uint bits = listedShadows(); bits != 0u; bits &= bits - 1u) {
         uint i = findLSB(bits);
-        Shadow shadow = view.shadows[i];
-        Incident incident = incidentLight(lights[shadow.light], point.position);
-        float visible = lightVisibility(shadow, i, point.position, point.surface.macroNormal, incident.direction);
+        Incident incident = incidentLight(lights[view.shadows[i].light], point.position);
+        float visible = listedVisibility(i, point, incident.direction);
         radiance += reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance * visible);
     }
     return radiance;

@@ -1,11 +1,11 @@
 // Where an object's lumels and tiles lie in its lit texture, and which of its MIPs a footprint reads.
 #ifndef LUMEL_TILES_GLSL
 #define LUMEL_TILES_GLSL
-#include "lib/interface.glsl"
+#include "lib/lit_object.glsl"
 
-uvec2 mipSize(ObjectAt object, uint mip)
+uvec2 mipSize(LitObject object, uint mip)
 {
-    return max(object.at.litSize >> (object.at.litLevel + mip), uvec2(1u));
+    return max(object.litSize >> (object.litLevel + mip), uvec2(1u));
 }
 
 uvec2 tileCount(uvec2 size)
@@ -28,59 +28,95 @@ uvec2 placeTile(uint place)
     return uvec2(place & 0xfffu, (place >> 12u) & 0xfffu);
 }
 
-uint tileIndex(ObjectAt object, uint mip, uvec2 tile)
+uint tileIndex(LitObject object, uint mip, uvec2 tile)
 {
-    return object.at.tileOffsets[mip] + tile.y * tileCount(mipSize(object, mip)).x + tile.x;
+    return tileOffset(object, mip) + tile.y * tileCount(mipSize(object, mip)).x + tile.x;
 }
 
-uint texelAt(ObjectAt object, uint level, uvec2 lumel)
+uint texelAt(LitObject object, uint level, uvec2 lumel)
 {
-    uint width = max(object.at.litSize.x >> level, 1u);
-    return object.at.texels.at[object.at.texelOffsets[level] + lumel.y * width + lumel.x];
+    uint width = max(object.litSize.x >> level, 1u);
+    return object.texels.at[texelOffset(object, level) + lumel.y * width + lumel.x];
 }
 
-// Has the tile no surface? Its 8x8 lumels are one lumel three levels coarser, whose gutter indicates surface in
-// the tiles around it.
-bool tileEmpty(ObjectAt object, uint mip, uvec2 tile)
+// Quads of a tile that hold surface or gutter.
+uint surfaceQuads(LitObject object, uint mip, uvec2 tile)
 {
     uvec2 size = mipSize(object, mip);
-    if (size.x < kTileSize || size.y < kTileSize)
-        return false;
-    return texelAt(object, object.at.litLevel + mip + 3u, tile) == 0u;
+    uint first = texelOffset(object, object.litLevel + mip) + size.x * size.y;
+    return object.texels.at[first + tile.y * tileCount(size).x + tile.x];
 }
 
-// Frame in which the youngest of the tile's children was lit; 0 when one of them has no light yet. mip: at least 1.
-uint childrenLit(ObjectAt object, uint mip, uvec2 tile)
+// A lumel is derived from four, a quad from 2 x 2 quads. Which quads of a tile's quarter have all of theirs in `quads`,
+// of the child in that corner?
+uint parentQuads(uint quads, uvec2 corner)
 {
-    uvec2 fine = tileCount(mipSize(object, mip - 1u));
-    uvec2 ratio = mipSize(object, mip - 1u) / mipSize(object, mip);
-    uint youngest = 0u;
-    for (uint i = 0u; i < 4u; ++i) {
-        uvec2 child = tile * ratio + uvec2(i & 1u, i >> 1u);
-        if (any(greaterThanEqual(child, fine)) || tileEmpty(object, mip - 1u, child))
-            continue;
-        uint frame = object.at.tiles.at[tileIndex(object, mip - 1u, child)].lit;
-        if (frame == 0u)
-            return 0u;
-        youngest = max(youngest, frame);
-    }
-    return youngest;
+    uint all = quads & quads >> 1u & quads >> 4u & quads >> 5u;
+    uint parents = (all & 0x1u) | (all >> 1u & 0x2u) | (all >> 4u & 0x10u) | (all >> 5u & 0x20u);
+    return parents << (8u * corner.y + 2u * corner.x);
 }
 
-// The state of a tile's light, without its marks and derivation, which other invocations may be changing.
-TileState lightState(ObjectAt object, uint index)
+// What a tile of MIP 1 or coarser may be derived from.
+struct Children {
+    uint needed; // quads whose children this frame's view all needs
+    uint held;   // quads whose children all hold light
+    uint newer;  // quads whose child was lit after the given frame
+    uint youngest; // frame in which the youngest child was lit
+};
+Children childrenOf(LitObject object, uint mip, uvec2 tile, uint since)
+{
+    uvec2 fineSize = mipSize(object, mip - 1u), fine = tileCount(fineSize), ratio = fineSize / mipSize(object, mip);
+    Children children = Children(0u, 0u, 0u, 0u);
+    for (uint i = 0u; i < 4u; ++i) {
+        uvec2 corner = uvec2(i & 1u, i >> 1u), child = tile * ratio + corner;
+        uint needed = kAllQuads, held = kAllQuads; // where there is nothing
+        if (all(lessThan(child, fine))) {
+            uint index = tileIndex(object, mip - 1u, child), none = ~surfaceQuads(object, mip - 1u, child);
+            uint holds = object.tiles.at[index].held;
+            needed = none | object.tiles.at[index].needed;
+            held = none | holds | holds >> 16u;
+            uint lit = max(object.tiles.at[index].lit, object.tiles.at[index].derived);
+            children.newer |= lit > since ? parentQuads(kAllQuads, corner) : 0u;
+            children.youngest = max(children.youngest, lit);
+        }
+        children.needed |= parentQuads(needed, corner);
+        children.held |= parentQuads(held, corner);
+    }
+    return children;
+}
+
+// The n-th set bit's place, from 0: which quad an invocation works on. Workgroups go over a mask several quads at a time.
+uint quadOf(uint quads, uint n)
+{
+    for (uint i = 0u; i < n; ++i)
+        quads &= quads - 1u;
+    return uint(findLSB(quads));
+}
+
+// Of a quad's four lumels, in its tile.
+uvec2 lumelOf(uint quad, uint lumel)
+{
+    return kQuadSize * uvec2(quad & 3u, quad >> 2u) + uvec2(lumel & 1u, lumel >> 1u);
+}
+
+// The state of a tile's light, without its marks, which other invocations may be changing.
+TileState lightState(LitObject object, uint index)
 {
     TileState state;
-    state.eye = object.at.tiles.at[index].eye;
-    state.lit = object.at.tiles.at[index].lit;
-    state.centre = object.at.tiles.at[index].centre;
-    state.radius = object.at.tiles.at[index].radius;
-    state.rate = object.at.tiles.at[index].rate;
-    state.turned = object.at.tiles.at[index].turned;
-    state.change = object.at.tiles.at[index].change;
-    state.shown = object.at.tiles.at[index].shown;
-    state.marked = 0u;
-    state.derive = 0u;
+    state.eye = object.tiles.at[index].eye;
+    state.lit = object.tiles.at[index].lit;
+    state.centre = object.tiles.at[index].centre;
+    state.radius = object.tiles.at[index].radius;
+    state.rate = object.tiles.at[index].rate;
+    state.turned = object.tiles.at[index].turned;
+    state.change = object.tiles.at[index].change;
+    state.shown = object.tiles.at[index].shown;
+    state.held = object.tiles.at[index].held;
+    state.derived = object.tiles.at[index].derived;
+    state.surface = object.tiles.at[index].surface;
+    state.cached = object.tiles.at[index].cached;
+    state.checked = object.tiles.at[index].checked;
+    state.needed = 0u;
     return state;
 }
 
@@ -110,9 +146,9 @@ float rateOf(TileState tile)
 }
 
 // Continuous MIP of the lit texture for a footprint of `level` (of the object's lumel grid).
-float mipPosition(ObjectAt object, float level)
+float mipPosition(LitObject object, float level)
 {
-    return clamp(level - float(object.at.litLevel), object.at.finest, float(object.at.mips - 1u));
+    return clamp(level - float(object.litLevel), object.finest, float(object.mips - 1u));
 }
 
 // The finer MIP serves the first half of its range alone, since cubic filters carry a lumel that far; over

@@ -11,6 +11,7 @@
 #define LUMEL_FN inline
 #define LUMEL_CONST inline constexpr
 namespace lumel::shared {
+using glm::ivec2;
 using glm::mat3;
 using glm::mat4;
 using glm::uvec2;

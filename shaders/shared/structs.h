@@ -28,6 +28,7 @@ layout(buffer_reference) buffer Matrices;
 layout(buffer_reference) buffer Floats;
 layout(buffer_reference) buffer Colours;
 layout(buffer_reference) buffer Histogram;
+layout(buffer_reference) buffer Surfaces;
 #endif
 
 struct Vertex {
@@ -139,33 +140,47 @@ LUMEL_CONST uint kObjectOwnMaterialUv = 4u; // its material UVs are not its lit 
 LUMEL_CONST uint kObjectLightable = 8u;     // it can be lit in texture space
 LUMEL_CONST uint kObjectUnlit = 16u; // its colour is what it emits
 LUMEL_CONST uint kObjectMirrored = 32u; // worldFromObject mirrors
+LUMEL_CONST uint kObjectDeformed = 64u; // by joints or morph targets
 
+// In texels of 16 bytes, so that compute shaders read it as a uniform texel buffer (lib/lit_object.glsl): on software
+// Vulkan that costs a sixth of a buffer reference's loads.
 struct Object {
     mat4 worldFromObject;
     mat3 worldFromObjectNormal; // inverse transpose
+    uint flags;                 // kObject...
+    float alphaCutoff;
+    float dielectric;           // reflectance that vertex colours do not tint; < 0: they tint none
     LUMEL_ADDRESS(Vertices) vertices;
     LUMEL_ADDRESS(Indices) indices;
-    LUMEL_ADDRESS(Texels) texels;  // the mesh's texel map, all levels
+    LUMEL_ADDRESS(Texels) texels;   // the mesh's texel map, all levels
     LUMEL_ADDRESS(Colours) colours; // of the vertices, RGBA in half floats; read where there are any only
-    uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
-    uvec2 litSize;                 // lumels of level 0, powers of two
-    float materialLevelOffset;     // material level = lit level + this, where the UVs are the same
-    float emissiveLevelOffset;         // the same for emissive, a map of a size of its own
-    uint flags;                    // kObject...
-    float alphaCutoff;
-    float dielectric;              // reflectance that vertex colours do not tint; < 0: they tint none
-    uint changed;                  // frame in which it last moved
     // The lit texture that the object draws this frame: one layer of a pool block.
-    uint mips;                    // 0: none, the object is drawn forward
-    uint layer;
-    uint litLevel;                // level of the texture's MIP 0: the object's maximum MIP level
-    float finest;                 // least MIP drawn; falls to 0 over a few frames after litLevel fell
-    uint lightJob;                // of its tiles
-    uint lowerJob;                // of its MIP 1 tiles; each coarser MIP's follows, the tail's is one
-    uint tileOffsets[kMaxLevels]; // first tile of each MIP
     LUMEL_ADDRESS(TileStates) tiles;
+    uint changed;                  // frame in which it last moved
+    float finest;                  // least MIP drawn; falls to 0 over a few frames after litLevel fell
+    uvec2 litSize;                 // lumels of level 0, powers of two
+    uint litLevel;                 // level of the texture's MIP 0: the object's maximum MIP level
+    uint mips;                     // 0: none, the object is drawn forward
+    uint layer;
+    uint lightJob;                 // of its tiles
+    uint cachedJob;                // of those whose surface is cached
+    uint lowerJob;                 // of its MIP 1 tiles; each coarser MIP's follows, the tail's is one
+    uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
+    float materialLevelOffset;     // material level = lit level + this, where the UVs are the same
+    float emissiveLevelOffset;     // the same for emissive, a map of a size of its own
+    uint tileOffsets[kMaxLevels];  // first tile of each MIP
+    uint unused[2];
 };
-LUMEL_CONST uint kObjectBytes = 312u; // sizeof
+LUMEL_CONST uint kObjectTexels = 20u;
+// Of these, where they are.
+LUMEL_CONST uint kTexelOfFlags = 6u;     // flags in y
+LUMEL_CONST uint kTexelOfAddresses = 8u; // texels, colours
+LUMEL_CONST uint kTexelOfTiles = 9u;     // tiles, changed, finest
+LUMEL_CONST uint kTexelOfSize = 10u;     // litSize, litLevel, mips
+LUMEL_CONST uint kTexelOfJobs = 11u;     // layer, lightJob, cachedJob, lowerJob
+LUMEL_CONST uint kTexelOfTexelOffsets = 12u;
+LUMEL_CONST uint kTexelOfTileOffsets = 16u;
+LUMEL_CONST uint kObjectBytes = 320u; // sizeof
 
 // All MIPs of a lit texture lie in one layer: MIP 0 at (0, 0), the others below each other to its right.
 // One image then serves light, lower and draw without a view for every MIP.
@@ -192,9 +207,13 @@ LUMEL_FN uint derivedTail(uint mips)
     return max(tailMip(mips), 1u);
 }
 
-// An 8x8-lumel tile of an object's lit texture.
+// An 8x8-lumel tile of an object's lit texture. It is lit and derived by quads of 2x2 lumels: bit 4 y + x of a mask is
+// quad (x, y).
 LUMEL_CONST uint kTileSize = 8u;
 LUMEL_CONST uint kTileLumels = 64u;
+LUMEL_CONST uint kQuadSize = 2u;
+LUMEL_CONST uint kQuadLumels = 4u;
+LUMEL_CONST uint kAllQuads = 0xffffu;
 LUMEL_CONST uint kPlaceWaited = 0x80000000u; // the frame before needed it too
 struct Tile {
     uint object;
@@ -204,22 +223,21 @@ struct Tile {
 // What is known of a tile as long as its object keeps the texture. Frames count from 1; 0 = never.
 struct TileState {
     vec3 eye;     // where it was lit from, world
-    uint lit;     // frame in which it was last lit or derived
+    uint lit;     // frame in which it was last lit or, where none of it is lit, derived
     vec3 centre;  // of the surface that its lumels cover, world
     float radius; // metres
     float rate;   // expected RMS change of its lumels' display value per radian that the eye turns around it
     float turned; // radians that the eye had turned when it was last lit; 0 = the first time; or kTurnedOfDerived
-    uint change;  // sum over its lumels of the squared change then, in 1 / kChangeUnit
-    uint marked;  // frame in which a view last needed it
+    uint change;  // mean over its lumels of the squared change then, in 1 / kChangeUnit
     uint shown;   // frame from which it is drawn; it fades in over kFadeFrames
-    uint derive;  // frame << kDeriveBits | kDerive..., by the plan of the frame that last needed it
+    uint needed;  // quads that this frame's view reads, none between frames; in the high half the last frame that did
+    uint held;    // quads that hold light: lit in the low half, derived in the high half
+    uint derived; // frame in which the youngest of the lumels that it was derived from were lit
+    uint surface; // its number in the surface cache (lib/surface_cache.glsl), 0 = none
+    uint cached;  // quads whose surface that holds, in the high half those whose shadow visibility it holds
+    uint checked; // frame in which both were last found up to date
 };
 LUMEL_CONST float kTurnedOfDerived = 1.0f; // its light is derived from finer tiles
-LUMEL_CONST uint kDeriveBits = 4u;
-LUMEL_CONST uint kDeriveFromChildren = 1u; // that is where its light comes from
-LUMEL_CONST uint kDeriveQueued = 2u;       // a child's light changes: it is in the list of a job
-LUMEL_CONST uint kDeriveTail = 4u;         // of the tail's first tile: some of the tail is queued
-LUMEL_CONST uint kDeriveWaited = 8u;       // the frame before needed it too
 LUMEL_CONST float kChangeUnit = 16777216.0f;
 LUMEL_CONST uint kShownAtOnce = 0xffffffffu;
 LUMEL_CONST uint kFadeFrames = 8u;
@@ -228,6 +246,10 @@ LUMEL_CONST uint kFadeFrames = 8u;
 // the last bit are taken to reach every tile.
 struct JobTile {
     Tile tile;
+    uint quads;   // to light or to derive. In the high half: those of them that hold light already; to be emptied
+    uint surface; // its number in the surface cache, 0 = none
+    uint visible; // quads whose shadow visibility the cache holds; in the high half those to be emptied
+    uint shadows; // bit i: the light of view.shadows[i] may reach the tile; bit 8 + i: its visibility has changed
     uint lights[kListedLights / 32u];
 };
 
@@ -235,11 +257,12 @@ struct JobTile {
 struct Mark {
     Tile tile;
     uint verdict; // kVerdict..., or the priority of lighting it
+    uint quads;   // to light, or that keep their light; kMarkMore
 };
+LUMEL_CONST uint kMarkMore = 0x10000u; // the tile's other quads keep theirs
 LUMEL_CONST uint kPriorities = 64u; // the greater, the more urgent
 LUMEL_CONST uint kVerdictKeep = 64u;
-LUMEL_CONST uint kVerdictDerive = 65u;
-LUMEL_CONST uint kVerdictEmpty = 66u; // no surface
+LUMEL_CONST uint kVerdictNone = 65u; // no surface, or all derived from finer tiles
 // Priorities from here on are tiles that show nothing yet, or something that is no more.
 LUMEL_CONST uint kPriorityChanged = 47u;
 // The coarsest tile of an object that shows nothing yet: lit whatever the budget, so that nothing is black.
@@ -249,11 +272,12 @@ LUMEL_CONST uint kPriorityAlways = 63u;
 struct Plan {
     uint marked; // tiles
     uint groups[3]; // of a dispatch over the marked tiles, 64 each
-    uint histogram[kPriorities];
+    uint histogram[kPriorities]; // quads
     uint threshold; // this priority and greater ones are lit
-    float share;    // of the tiles of exactly that priority
+    float share;    // of the quads of exactly that priority
     uint tilesLit;
-    uint lumelsMarked, lumelsLit, lumelsDerived, lumelsPending; // pending: to be lit in later frames
+    uint quadsMarked, quadsLit, quadsDerived, quadsPending; // pending: to be lit in later frames
+    uint surfacesTaken; // of the surface cache's numbers
     uint dropped; // entries beyond the capacity of a list; 0, since lists hold all existing tiles
 };
 
@@ -266,9 +290,29 @@ struct Job {
 };
 LUMEL_CONST uint kMaxJobGroups = 16384u;
 
-// Texel map entry: triangle + 1 in the low 24 bits (0 = no surface near), coverage in the high 8 (0 = gutter).
+// Texel map entry: triangle + 1 in the low 24 bits (0 = no surface near). In the high 8 bits coverage, 1 to
+// kFullCoverage; or, of a gutter lumel, kTexelGutter with where the nearest covered lumel lies. Each level is followed
+// by a mask of quads for each of its tiles: those with any surface or gutter.
 LUMEL_CONST uint kTexelTriangleMask = 0xffffffu;
 LUMEL_CONST uint kTexelCoverageShift = 24u;
+LUMEL_CONST uint kFullCoverage = 127u;
+LUMEL_CONST uint kTexelGutter = 0x80000000u;
+LUMEL_CONST int kGutterReach = 3; // lumels along either axis
+
+LUMEL_FN uint texelCoverage(uint texel)
+{
+    return (texel & kTexelGutter) != 0u ? 0u : texel >> kTexelCoverageShift;
+}
+LUMEL_FN uint gutterTexel(uint triangle, ivec2 toCovered)
+{
+    int code = (toCovered.y + kGutterReach) * (2 * kGutterReach + 1) + toCovered.x + kGutterReach;
+    return kTexelGutter | uint(code) << kTexelCoverageShift | triangle;
+}
+LUMEL_FN ivec2 gutterSource(uint texel)
+{
+    int code = int((texel & ~kTexelGutter) >> kTexelCoverageShift);
+    return ivec2(code % (2 * kGutterReach + 1) - kGutterReach, code / (2 * kGutterReach + 1) - kGutterReach);
+}
 
 // Levels of the feedback pass: kFeedbackFinest + n / kFeedbackScale, finer than any grid has where it is magnified.
 LUMEL_CONST uint kNotSeen = 0xffffffffu;
@@ -305,7 +349,7 @@ struct DeformPush {
 struct FeedbackPush {
     LUMEL_ADDRESS(FeedbackList) objects;
     LUMEL_ADDRESS(FeedbackTotals) total;
-    vec2 jitter;   // sub-pixel offset in clip space
+    vec2 jitter;   // of the samples, in full-size pixels
     float divisor; // full-size pixels per sample, per axis
     uint object;
     uvec2 size;    // samples
@@ -316,6 +360,20 @@ struct ShadowPush {
     uint object;
 };
 
+// The surface cache before a frame. It is a ring: the tile of number n > oldest has slot n % capacity, until `capacity`
+// more have got theirs.
+struct SurfaceCacheState {
+    uint capacity; // tiles
+    uint oldest;   // the last number given before its memory was allocated
+    uint latest;   // the last number given
+};
+LUMEL_CONST uint kSurfaceWords = 4u; // of 16 bytes, a lumel
+// A frame gives so many slots of the ring to other tiles at most: what it reads is not among them.
+LUMEL_FN uint surfacesAFrame(uint capacity)
+{
+    return capacity / 8u;
+}
+
 struct PlanPush {
     LUMEL_ADDRESS(Plans) plan;
     LUMEL_ADDRESS(Marks) marks;
@@ -325,17 +383,20 @@ struct PlanPush {
     float divisor;       // full-size pixels per sample, per axis
     float reach;         // lumels around a point that the draw filter reads
     uint objectCount;
-    uint budgetTiles;    // to light this frame
-    float refreshShare;  // of the marked tiles that may be lit again because the eye moved
+    uint budgetQuads;    // to light this frame
+    float refreshShare;  // of the marked quads that may be lit again because the eye moved
     float tolerance;     // display value: a smaller expected change is left alone
     uint markCapacity;   // tiles that the list of marks holds
+    SurfaceCacheState surfaces;
 };
 
 struct LightPush {
+    LUMEL_ADDRESS(Plans) plan;
     LUMEL_ADDRESS(Jobs) jobs;
     LUMEL_ADDRESS(JobTiles) tiles; // of all jobs
+    LUMEL_ADDRESS(Surfaces) surfaces;
     uint job;
-    uint waiting; // 1: some tiles may wait for their light
+    uint surfaceCapacity; // tiles
 };
 
 struct DrawPush {
@@ -421,7 +482,12 @@ LUMEL_SHARED_END
 #include <cstddef>
 namespace lumel::shared {
 static_assert(sizeof(Vertex) == 64 && sizeof(Light) == 56 && sizeof(Tile) == 8);
-static_assert(sizeof(Object) == kObjectBytes);
+static_assert(sizeof(Object) == kObjectBytes && sizeof(Object) == 16 * kObjectTexels);
+static_assert(offsetof(Object, flags) == 16 * kTexelOfFlags + 4);
+static_assert(offsetof(Object, texels) == 16 * kTexelOfAddresses && offsetof(Object, tiles) == 16 * kTexelOfTiles);
+static_assert(offsetof(Object, litSize) == 16 * kTexelOfSize && offsetof(Object, layer) == 16 * kTexelOfJobs);
+static_assert(offsetof(Object, texelOffsets) == 16 * kTexelOfTexelOffsets);
+static_assert(offsetof(Object, tileOffsets) == 16 * kTexelOfTileOffsets);
 static_assert(offsetof(View, objects) % 8 == 0 && offsetof(Object, vertices) % 8 == 0);
 static_assert(sizeof(LitPush) <= 128 && sizeof(PlanPush) <= 128); // lavapipe's push constant limit
 } // namespace lumel::shared

@@ -39,23 +39,24 @@ json formOfRun()
     json passes;
     for (const char* pass : kPassNames)
         passes[pass] = 0;
-    const json frame = {{"ms", 0},
-                        {"passes", passes},
-                        {"lumels", {{"marked", 0}, {"lit", 0}, {"derived", 0}, {"kept", 0}, {"pending", 0}}},
-                        {"pixels_covered", 0},
-                        {"tiles", {{"marked", 0}, {"lit", 0}}},
-                        {"pool", {{"used_bytes", 0}, {"cap_bytes", 0}, {"textures", 0}}},
-                        {"objects", {{"tsl", 0}, {"forward", 0}, {"culled", 0}}},
-                        {"exposure", 0},
-                        {"render_scale", 0},
-                        {"lumel_budget", nullptr},
-                        {"budget_bias", 0},
-                        {"level_bias", 0},
-                        {"level_offset", 0},
-                        {"anisotropy", 0},
-                        {"error_rmse", nullptr},
-                        {"flicker_rmse", nullptr},
-                        {"change_rmse", nullptr}};
+    const json frame = {
+        {"ms", 0},
+        {"passes", passes},
+        {"lumels", {{"marked", 0}, {"lit", 0}, {"derived", 0}, {"kept", 0}, {"pending", 0}}},
+        {"pixels_covered", 0},
+        {"tiles", {{"marked", 0}, {"lit", 0}}},
+        {"pool", {{"used_bytes", 0}, {"surface_bytes", 0}, {"cap_bytes", 0}, {"textures", 0}}},
+        {"objects", {{"tsl", 0}, {"forward", 0}, {"culled", 0}}},
+        {"exposure", 0},
+        {"render_scale", 0},
+        {"lumel_budget", nullptr},
+        {"budget_bias", 0},
+        {"level_bias", 0},
+        {"level_offset", 0},
+        {"anisotropy", 0},
+        {"error_rmse", nullptr},
+        {"flicker_rmse", nullptr},
+        {"change_rmse", nullptr}};
     const json summary = {
         {"mean_ms", 0},          {"p50_ms", 0}, {"p95_ms", 0},           {"p99_ms", 0},
         {"max_ms", 0},           {"missed", 0}, {"error_rmse", nullptr}, {"flicker_rmse", nullptr},

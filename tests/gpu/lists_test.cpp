@@ -24,6 +24,16 @@ protected:
         return buffer;
     }
 
+    // Those within a MIP of so many lumels across, of its first tile.
+    static uint32_t quadsOf(uint32_t lumels)
+    {
+        uint32_t quads = 0;
+        for (uint32_t i = 0; i < 16; ++i)
+            if (2 * (i % 4) < lumels && 2 * (i / 4) < lumels)
+                quads |= 1u << i;
+        return quads;
+    }
+
     void makeObjects(uint32_t count)
     {
         objectCount_ = count;
@@ -35,12 +45,16 @@ protected:
             const uint32_t lumels = 128u >> mip, across = (lumels + 7) / 8;
             object.texelOffsets[mip] = texels;
             object.tileOffsets[mip] = tiles;
-            texels += lumels * lumels;
+            texels += lumels * lumels + across * across; // and the tiles' masks
             tiles += across * across;
         }
         tilesAnObject_ = tiles;
-        texels_ = list<uint32_t>(texels);                       // no surface: no vertices are read
-        texels_.mapped<uint32_t>()[object.texelOffsets[7]] = 1; // but on tiles of MIP 4, says the gutter
+        texels_ = list<uint32_t>(texels);            // no surface: no vertices are read
+        for (uint32_t mip = 0; mip < kMips; ++mip) { // though there is some, say the masks
+            const uint32_t lumels = 128u >> mip, across = (lumels + 7) / 8;
+            std::fill_n(texels_.mapped<uint32_t>() + object.texelOffsets[mip] + lumels * lumels,
+                        across * across, quadsOf(lumels));
+        }
         states_ = list<shared::TileState>(size_t(count) * tiles);
         objects_ = list<shared::Object>(count);
         object.texels = texels_.address();
@@ -82,21 +96,33 @@ protected:
                  .divisor = 1.0f,
                  .reach = 2.0f,
                  .objectCount = objectCount_,
-                 .budgetTiles = ~0u,
+                 .budgetQuads = ~0u,
                  .refreshShare = 1.0f,
                  .tolerance = 0.0f,
-                 .markCapacity = marks};
+                 .markCapacity = marks,
+                 .surfaces = {}};
+    }
+
+    // FrameSet's, of which the plan's shaders read the view, the lights and the object table.
+    static gpu::SetLayout makeFrameLayout()
+    {
+        using Type = vk::DescriptorType;
+        return gpu::makeSetLayout(device(), {Type::eUniformBuffer, Type::eUniformBuffer, Type::eUniformBuffer,
+                                             Type::eUniformBuffer, Type::eUniformTexelBuffer});
     }
 
     void run(const std::string& shader, uint32_t invocations)
     {
         using Type = vk::DescriptorType;
-        const auto frameLayout = gpu::makeSetLayout(device(), {Type::eUniformBuffer, Type::eUniformBuffer});
+        const auto frameLayout = makeFrameLayout();
         const auto seenLayout = gpu::makeSetLayout(device(), {Type::eStorageImage});
         const auto frameSet = gpu::makeSet(device(), frameLayout),
                    seenSet = gpu::makeSet(device(), seenLayout);
         const gpu::Buffer lights = list<shared::Light>(shared::kMaxLights);
-        gpu::writeUniform(device(), *frameSet, 0, view_.handle());
+        for (uint32_t binding = 0; binding < 4; ++binding)
+            gpu::writeUniform(device(), *frameSet, binding, view_.handle());
+        const vk::raii::BufferView table = gpu::makeTexelView(device(), objects_);
+        gpu::writeTexels(device(), *frameSet, 4, *table);
         gpu::writeUniform(device(), *frameSet, 1, lights.handle());
         const gpu::Image seen(
             device(), {.format = vk::Format::eR32G32B32A32Uint, .usage = vk::ImageUsageFlagBits::eStorage},
@@ -120,11 +146,14 @@ protected:
     void countSamples(uint32_t samples, const gpu::Buffer& needs, const gpu::Buffer& total)
     {
         using Type = vk::DescriptorType;
-        const auto frameLayout = gpu::makeSetLayout(device(), {Type::eUniformBuffer});
+        const auto frameLayout = makeFrameLayout();
         const auto seenLayout = gpu::makeSetLayout(device(), {Type::eStorageImage});
         const auto frameSet = gpu::makeSet(device(), frameLayout),
                    seenSet = gpu::makeSet(device(), seenLayout);
-        gpu::writeUniform(device(), *frameSet, 0, view_.handle());
+        for (uint32_t binding = 0; binding < 4; ++binding)
+            gpu::writeUniform(device(), *frameSet, binding, view_.handle());
+        const vk::raii::BufferView table = gpu::makeTexelView(device(), objects_);
+        gpu::writeTexels(device(), *frameSet, 4, *table);
         using Usage = vk::ImageUsageFlagBits;
         const gpu::Image seen(device(),
                               {.format = vk::Format::eR32G32B32A32Uint,
@@ -181,7 +210,7 @@ TEST_F(PlanShaders, MarksKeepToTheirList)
     uint32_t marked = 0;
     for (uint32_t object = 0; object < objectCount_; ++object)
         for (uint32_t mip = 4; mip < kMips; ++mip)
-            marked += state(object, mip).marked == kFrame ? 1 : 0;
+            marked += (state(object, mip).needed & shared::kAllQuads) != 0 ? 1 : 0;
     EXPECT_EQ(marked, 16u);
     run("budget.comp", 1);
     EXPECT_EQ(plan().marked, 16u);
@@ -192,48 +221,78 @@ TEST_F(PlanShaders, JobsKeepToTheirLists)
     makeObjects(1);
     makeLists(8, {3, 0});
     for (uint32_t i = 0; i < 8; ++i)
-        marks_.mapped<shared::Mark>()[i] = {.tile = {.object = 0, .place = i},
-                                            .verdict = shared::kPriorityAlways};
+        marks_.mapped<shared::Mark>()[i] = {
+            .tile = {.object = 0, .place = i}, .verdict = shared::kPriorityAlways, .quads = 0x11u};
     plan_.mapped<shared::Plan>()->marked = 8;
     run("select.comp", 8);
     EXPECT_EQ(plan().dropped, 5u);
     EXPECT_EQ(plan().tilesLit, 3u);
-    EXPECT_EQ(plan().lumelsPending, 5u * 64u);
+    EXPECT_EQ(plan().quadsLit, 3u * 2u);
+    EXPECT_EQ(plan().quadsPending, 5u * 2u);
     EXPECT_EQ(job(0).groups[0], 3u);
     for (uint32_t i = 3; i < 67; ++i)
         EXPECT_EQ(tiles_.mapped<shared::JobTile>()[i].tile.object, kGuard) << i;
     // Tiles beyond the capacity are still to be lit.
-    uint32_t lit = 0;
-    for (uint32_t i = 0; i < 8; ++i)
+    uint32_t lit = 0, held = 0;
+    for (uint32_t i = 0; i < 8; ++i) {
         lit += state(0, 0, i).lit == kFrame ? 1 : 0;
+        held += state(0, 0, i).held == 0x11u ? 1 : 0;
+    }
     EXPECT_EQ(lit, 3u);
+    EXPECT_EQ(held, 3u);
 }
 
-// The first tile of each tail is lit while two others queue the tail on it.
-TEST_F(PlanShaders, ATailIsQueuedOnceWhileItsFirstTileIsLit)
+// A quad is derived where the view needs all 2 x 2 quads under it, whatever tiles these lie in, and lit
+// elsewhere.
+TEST_F(PlanShaders, QuadsAreDerivedWhereTheViewNeedsTheirChildren)
 {
-    constexpr uint32_t kObjects = 64, kTail = 4;
-    makeObjects(kObjects);
-    makeLists(3 * kObjects, {kObjects, 0, 0, 0, kObjects});
-    for (uint32_t i = 0; i < kObjects; ++i) {
-        state(i, kTail).lit = kFrame - 1;
-        for (uint32_t mip = kTail + 1; mip < kTail + 3; ++mip)
-            state(i, mip).derive = kFrame << shared::kDeriveBits | shared::kDeriveFromChildren;
-        state(i, kTail + 1).lit = 5;
-        auto* marks = marks_.mapped<shared::Mark>();
-        for (uint32_t k = 0; k < 3; ++k)
-            marks[k * kObjects + i] = {.tile = {.object = i, .place = (kTail + k) << 24},
-                                       .verdict = k == 0 ? shared::kPriorityChanged : shared::kVerdictDerive};
+    constexpr uint32_t kMip = 1;
+    makeObjects(1);
+    makeLists(1, {8, 8, 0, 0, 0, 0});
+    // Tile (0, 0) of MIP 1 lies over tiles (0, 0) to (1, 1) of MIP 0.
+    const uint32_t under[4] = {0x0133u, 0xffffu, 0x0f0fu, 0xc8ecu};
+    uint32_t expected = 0;
+    for (uint32_t quad = 0; quad < 16; ++quad) {
+        bool all = true;
+        for (uint32_t i = 0; i < 4; ++i) {
+            const uint32_t x = 2 * (quad % 4) + i % 2, y = 2 * (quad / 4) + i / 2; // of 8 x 8 quads
+            all = all && (under[y / 4 * 2 + x / 4] >> (y % 4 * 4 + x % 4) & 1u) != 0;
+        }
+        expected |= all ? 1u << quad : 0u;
     }
-    plan_.mapped<shared::Plan>()->marked = 3 * kObjects;
-    run("select.comp", 3 * kObjects);
-    EXPECT_EQ(plan().tilesLit, kObjects);
-    EXPECT_EQ(plan().dropped, 0u);
-    EXPECT_EQ(job(4).count, kObjects);
-    for (uint32_t i = 0; i < kObjects; ++i) {
-        EXPECT_EQ(state(i, kTail).lit, kFrame);
-        EXPECT_TRUE(state(i, kTail).derive & shared::kDeriveTail) << i;
-    }
+    for (uint32_t i = 0; i < 4; ++i)
+        state(0, 0, i / 2 * 16 + i % 2).needed = under[i];
+    state(0, kMip).needed = 0xfff7u;
+    marks_.mapped<shared::Mark>()[0] = {.tile = {.object = 0, .place = kMip << 24}, .verdict = 0, .quads = 0};
+    plan_.mapped<shared::Plan>()->marked = 1;
+    run("classify.comp", 1);
+    const shared::Mark& mark = marks_.mapped<shared::Mark>()[0];
+    EXPECT_EQ(mark.quads, 0xfff7u & ~expected);
+    EXPECT_LT(mark.verdict, shared::kPriorities);
+    ASSERT_EQ(job(1).count, 1u);
+    EXPECT_EQ(tiles_.mapped<shared::JobTile>()[job(1).first].quads, 0xfff7u & expected);
+    EXPECT_EQ(plan().quadsMarked, 15u);
+}
+
+// What a tile holds already is not lit again because more of it is needed.
+TEST_F(PlanShaders, OnlyQuadsWithoutLightAreAdded)
+{
+    makeObjects(1);
+    makeLists(1, {8, 8, 0, 0, 0, 0});
+    shared::TileState& tile = state(0, 0);
+    tile.needed = 0x00ffu;
+    tile.held = 0x000fu | 0x0010u << 16; // lit, and derived
+    tile.lit = tile.derived = kFrame - 1;
+    marks_.mapped<shared::Mark>()[0] = {.tile = {.object = 0, .place = 0}, .verdict = 0, .quads = 0};
+    plan_.mapped<shared::Plan>()->marked = 1;
+    run("classify.comp", 1);
+    EXPECT_EQ(marks_.mapped<shared::Mark>()[0].quads, 0x00e0u | shared::kMarkMore);
+    run("select.comp", 1);
+    EXPECT_EQ(plan().quadsLit, 3u);
+    EXPECT_EQ(tile.held, 0x00efu | 0x0010u << 16);
+    EXPECT_EQ(tile.lit, kFrame - 1);
+    EXPECT_EQ(tile.needed, kFrame << 16);
+    EXPECT_EQ(tiles_.mapped<shared::JobTile>()[job(0).first].quads, 0x00e0u);
 }
 
 // At 7680 x 4320, 33 million samples in 1/256 are more than 32 bits hold.

@@ -105,7 +105,7 @@ void FeedbackPass::drawObjects(Frame& frame, bool everyPixel)
     const glm::vec2 pixels = everyPixel ? glm::vec2(0.0f) : jitterInPixels(frame.index);
     shared::FeedbackPush push{.objects = objects_.address(),
                               .total = total_.address(),
-                              .jitter = 2.0f * pixels / glm::vec2(frame.renderSize),
+                              .jitter = pixels,
                               .divisor = float(divisor_),
                               .object = 0,
                               .size = samples_};

@@ -20,19 +20,36 @@ const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool&
     return pipeline;
 }
 
+const gpu::Pipeline& LightPass::cachedPipeline(const Frame& frame, const LitPool& pool,
+                                               const SurfaceCache& surfaces)
+{
+    const uint32_t features = frame.scene.features();
+    gpu::Pipeline& pipeline = cached_[features];
+    if (!*pipeline.handle)
+        pipeline =
+            gpu::makeComputePipeline(frame.device, "light_cached.comp",
+                                     {*frame.scene.frameSet().layout(), *surfaces.layout(), *pool.layout()},
+                                     sizeof(shared::LightPush), features);
+    return pipeline;
+}
+
 void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan)
 {
     const PassScope scope(frame, "light");
     const vk::CommandBuffer commands = frame.commands;
+    const SurfaceCache& surfaces = plan.surfaces();
     for (uint32_t i = 0; i < plan.lightJobs().size(); ++i) {
         const PlanPass::LightJob& job = plan.lightJobs()[i];
-        const gpu::Pipeline& light = lightPipeline(frame, pool, job.coloured);
+        if (!job.material && surfaces.state().capacity == 0)
+            continue;
+        const gpu::Pipeline& light =
+            job.material ? lightPipeline(frame, pool, job.coloured) : cachedPipeline(frame, pool, surfaces);
         bindSets(frame, vk::PipelineBindPoint::eCompute, light,
-                 {*job.material->set, *pool.blocks()[size_t(job.block)].set});
-        pushConstants(commands, light, plan.push(frame, i));
+                 {job.material ? *job.material->set : surfaces.set(), *pool.blocks()[size_t(job.block)].set});
+        pushConstants(commands, light, plan.push(i));
         commands.dispatchIndirect(plan.jobBuffer(), i * sizeof(shared::Job));
     }
-    gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::computeReadWrite);
+    gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::general); // cached surfaces are sampled
 }
 
 void LightPass::recordLower(Frame& frame, const LitPool& pool, const PlanPass& plan)
@@ -49,7 +66,7 @@ void LightPass::recordLower(Frame& frame, const LitPool& pool, const PlanPass& p
             const uint32_t job = block.job + mip - 1;
             bindSets(frame, vk::PipelineBindPoint::eCompute, lower_,
                      {*pool.blocks()[size_t(block.block)].set});
-            pushConstants(commands, lower_, plan.push(frame, job));
+            pushConstants(commands, lower_, plan.push(job));
             commands.dispatchIndirect(plan.jobBuffer(), job * sizeof(shared::Job));
         }
         gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::computeReadWrite);

@@ -15,8 +15,10 @@ public:
 private:
     // Made when first needed and kept.
     const gpu::Pipeline& lightPipeline(const Frame& frame, const LitPool& pool, bool coloured);
+    const gpu::Pipeline& cachedPipeline(const Frame& frame, const LitPool& pool,
+                                        const SurfaceCache& surfaces);
 
-    std::map<uint32_t, gpu::Pipeline> light_; // by features
+    std::map<uint32_t, gpu::Pipeline> light_, cached_; // by features
     gpu::Pipeline lower_;
 };
 

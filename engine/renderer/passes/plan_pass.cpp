@@ -13,10 +13,11 @@ void reserve(const gpu::Device& device, gpu::Buffer& buffer, size_t bytes,
         buffer = gpu::Buffer(device, bytes + bytes / 2, memoryUsage, name);
 }
 
-// Lumels around a point that the draw filter reads.
+// Lumels around a point that the draw filter reads: the centres of the outermost lie half a lumel or one and
+// a half from those around it.
 float reachOf(DrawFilter filter)
 {
-    return filter == DrawFilter::bilinear ? 1.0f : 2.0f;
+    return filter == DrawFilter::bilinear ? 0.5f : 1.5f;
 }
 
 } // namespace
@@ -30,17 +31,17 @@ PlanPass::PlanPass(const gpu::Device& device, const SceneState& scene, const Fee
                                        sizeof(shared::PlanPush))),
       select_(gpu::makeComputePipeline(device, "select.comp", {*scene.frameSet().layout()},
                                        sizeof(shared::PlanPush))),
-      plan_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::device, "plan"),
+      surfaces_(device), plan_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::device, "plan"),
       readback_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::host, "plan readback")
 {
 }
 
-uint32_t PlanPass::lightJobOf(const GpuObject& object, int block)
+uint32_t PlanPass::lightJobOf(const GpuMaterial* material, bool coloured, int block)
 {
     const auto [entry, isNew] =
-        lightJobIndex_.try_emplace({object.material, object.coloured, block}, uint32_t(lightJobs_.size()));
+        lightJobIndex_.try_emplace({material, coloured, block}, uint32_t(lightJobs_.size()));
     if (isNew)
-        lightJobs_.push_back({object.material, object.coloured, block});
+        lightJobs_.push_back({material, coloured, block});
     return entry->second;
 }
 
@@ -66,10 +67,13 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
         if (!residency[i].texture)
             continue;
         const tsl::TextureLayout& layout = pool.block(residency[i].texture).layout;
-        jobs[i].light = lightJobOf(objects[i], residency[i].texture.block);
+        const int block = residency[i].texture.block;
+        jobs[i].light = lightJobOf(objects[i].material, objects[i].coloured, block);
+        jobs[i].cached = lightJobOf(nullptr, false, block);
         const uint32_t tail = shared::derivedTail(layout.mips);
-        jobs[i].lower = lowerJobOf(residency[i].texture.block, tail);
+        jobs[i].lower = lowerJobOf(block, tail);
         lightJobs_[jobs[i].light].capacity += layout.tiles;
+        lightJobs_[jobs[i].cached].capacity += layout.tiles;
         std::vector<uint32_t>& capacity = lowerJobs_[jobs[i].lower].capacity;
         for (uint32_t mip = 1; mip < tail; ++mip)
             capacity[mip - 1] += layout.tileOffsets[mip + 1] - layout.tileOffsets[mip];
@@ -119,18 +123,21 @@ void PlanPass::writeObjects(Frame& frame, const LitPool& pool, const std::vector
         object.litLevel = resident.litLevel;
         object.finest = resident.finest;
         object.lightJob = jobs[i].light;
+        object.cachedJob = jobs[i].cached;
         object.lowerJob = jobs[i].lower;
         std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), object.tileOffsets);
         object.tiles = block.states.address() + block.stateOffset(resident.texture.layer);
     }
 }
 
-shared::LightPush PlanPass::push(const Frame& frame, uint32_t job) const
+shared::LightPush PlanPass::push(uint32_t job) const
 {
-    return {.jobs = jobs_.address(),
+    return {.plan = plan_.address(),
+            .jobs = jobs_.address(),
             .tiles = tiles_.address(),
+            .surfaces = surfaces_.address(),
             .job = job,
-            .waiting = frame.lumelBudget < ~0u ? 1u : 0u};
+            .surfaceCapacity = surfaces_.state().capacity};
 }
 
 std::map<uint32_t, size_t> PlanPass::lumelsByTileSize(const gpu::Device& device) const
@@ -143,7 +150,7 @@ std::map<uint32_t, size_t> PlanPass::lumelsByTileSize(const gpu::Device& device)
     for (uint32_t shift = 0; shift < 4; ++shift) {
         std::set<std::pair<uint32_t, uint32_t>> pieces; // object, place
         for (const shared::Mark& mark : marks) {
-            if (mark.verdict == shared::kVerdictDerive || mark.verdict == shared::kVerdictEmpty)
+            if (mark.verdict == shared::kVerdictNone)
                 continue;
             const uint32_t place = mark.tile.place & ~shared::kPlaceWaited;
             const uint32_t x = (place & 0xfffu) >> shift, y = (place >> 12u & 0xfffu) >> shift;
@@ -178,10 +185,11 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
                                 .divisor = float(feedback.divisor()),
                                 .reach = reachOf(settings.filter),
                                 .objectCount = objectCount,
-                                .budgetTiles = frame.lumelBudget / shared::kTileLumels,
+                                .budgetQuads = frame.lumelBudget / shared::kQuadLumels,
                                 .refreshShare = settings.refreshShare,
                                 .tolerance = settings.tolerance,
-                                .markCapacity = uint32_t(marks_.size() / sizeof(shared::Mark))};
+                                .markCapacity = uint32_t(marks_.size() / sizeof(shared::Mark)),
+                                .surfaces = surfaces_.state()};
     const auto bind = [&](const gpu::Pipeline& pipeline, std::initializer_list<vk::DescriptorSet> sets = {}) {
         bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, sets);
         pushConstants(commands, pipeline, push);
@@ -198,6 +206,11 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
         commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, groups));
         wait();
     }
+}
+
+void PlanPass::recordReadback(Frame& frame) const
+{
+    const vk::CommandBuffer commands = frame.commands;
     gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::transferRead);
     commands.copyBuffer(plan_.handle(), readback_.handle(), vk::BufferCopy{.size = sizeof(shared::Plan)});
     gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::hostRead);

@@ -2,14 +2,15 @@
 #pragma once
 #include "feedback_pass.h"
 #include "lit_pool.h"
+#include "surface_cache.h"
 
 namespace lumel {
 
 class PlanPass {
 public:
     // One indirect dispatch over a list of tiles.
-    struct LightJob { // tiles of one material in one block, with or without vertex colours
-        const GpuMaterial* material;
+    struct LightJob {                // tiles of one material in one block, with or without vertex colours
+        const GpuMaterial* material; // null: those of the block whose surface is cached
         bool coloured;
         int block;
         uint32_t first = 0, capacity = 0; // in the tile list
@@ -25,7 +26,9 @@ public:
     // Sorts the frame's objects into jobs and writes the object table. Call when no frame is in flight.
     void prepare(Frame& frame, const LitPool& pool);
     void record(Frame& frame, const FeedbackPass& feedback);
-    // Reads what was planned, after the recorded commands have finished.
+    // Once all is lit and derived.
+    void recordReadback(Frame& frame) const;
+    // Reads what was planned and done, after the recorded commands have finished.
     const shared::Plan& read() const { return *readback_.mapped<shared::Plan>(); }
 
     // Lumels that tiles of 8, 16, 32 and 64 lumels a side would hold of what the last plan lit or kept: the
@@ -34,18 +37,21 @@ public:
 
     const std::vector<LightJob>& lightJobs() const { return lightJobs_; }
     const std::vector<LowerJobs>& lowerJobs() const { return lowerJobs_; }
-    shared::LightPush push(const Frame& frame, uint32_t job) const;
+    shared::LightPush push(uint32_t job) const;
     vk::Buffer jobBuffer() const { return jobs_.handle(); }
+    SurfaceCache& surfaces() { return surfaces_; }
+    const SurfaceCache& surfaces() const { return surfaces_; }
 
 private:
     struct ObjectJobs { // that an object's tiles belong to
-        uint32_t light = 0, lower = 0;
+        uint32_t light = 0, cached = 0, lower = 0;
     };
     static void writeObjects(Frame& frame, const LitPool& pool, const std::vector<ObjectJobs>& jobs);
-    uint32_t lightJobOf(const GpuObject& object, int block);
+    uint32_t lightJobOf(const GpuMaterial* material, bool coloured, int block);
     uint32_t lowerJobOf(int block, uint32_t tail);
 
     gpu::Pipeline mark_, classify_, budget_, select_;
+    SurfaceCache surfaces_;
     gpu::Buffer plan_, readback_, upload_, jobs_, marks_, tiles_;
     std::vector<LightJob> lightJobs_;
     std::vector<LowerJobs> lowerJobs_;

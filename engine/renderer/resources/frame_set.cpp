@@ -6,7 +6,8 @@ namespace lumel {
 FrameSet::FrameSet(const gpu::Device& device)
     : layout_(gpu::makeSetLayout(
           device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer,
-                   vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eCombinedImageSampler})),
+                   vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eCombinedImageSampler,
+                   vk::DescriptorType::eUniformTexelBuffer})),
       set_(gpu::makeSet(device, layout_)), environmentSampler_(gpu::makeSampler(device, {.mips = true})),
       view_(device, sizeof(shared::View), gpu::Buffer::MemoryUsage::host, "view"),
       lights_(device, shared::kMaxLights * sizeof(shared::Light), gpu::Buffer::MemoryUsage::host, "lights")
@@ -18,6 +19,11 @@ FrameSet::FrameSet(const gpu::Device& device)
 void FrameSet::bindEnvironment(const gpu::Device& device, vk::ImageView map)
 {
     gpu::writeSampled(device, *set_, 2, *environmentSampler_, map);
+}
+
+void FrameSet::bindObjects(const gpu::Device& device, vk::BufferView table)
+{
+    gpu::writeTexels(device, *set_, 4, table);
 }
 
 void FrameSet::bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps)

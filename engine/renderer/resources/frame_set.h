@@ -1,4 +1,5 @@
-// Set 0 of every pipeline: the view, the lights, the environment map and the shadow maps. Frames are waited
+// Set 0 of every pipeline: the view, the lights, the environment map, the shadow maps and the
+// object table. Frames are waited
 // for, so one set serves all.
 #pragma once
 #include "gpu/pipeline.h"
@@ -20,6 +21,7 @@ public:
     void writeView(const shared::View& view) { *view_.mapped<shared::View>() = view; }
     std::span<shared::Light> lights() const { return {lights_.mapped<shared::Light>(), shared::kMaxLights}; }
     void bindEnvironment(const gpu::Device& device, vk::ImageView map);
+    void bindObjects(const gpu::Device& device, vk::BufferView table);
     void bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps);
 
 private:

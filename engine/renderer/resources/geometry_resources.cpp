@@ -1,5 +1,6 @@
 #include "geometry_resources.h"
 #include "tsl/chart_levels.h"
+#include "tsl/packed_texels.h"
 #include "upload.h"
 #include <algorithm>
 
@@ -79,7 +80,9 @@ const GpuTexelMap* GeometryResources::texelMapFor(const gpu::Device& device, con
     GpuTexelMap& result = entry->second;
     if (isNew) {
         result.map = tsl::makeTexelMap(mesh, grid);
-        result.buffer = gpu::uploadBuffer(device, result.map.texels, "texel map");
+        const tsl::PackedTexels packed = tsl::pack(result.map);
+        result.offsets = packed.offsets;
+        result.buffer = gpu::uploadBuffer(device, packed.words, "texel map");
         result.coarsest = tsl::coarsestWithoutSeams(tsl::seamShares(mesh, result.map));
         result.map.texels = {};
     }

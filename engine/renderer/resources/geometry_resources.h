@@ -18,9 +18,10 @@ struct GpuMesh {
 
 // A texel map on the GPU.
 struct GpuTexelMap {
-    tsl::TexelMap map; // texels are dropped after upload
-    gpu::Buffer buffer;
-    uint32_t coarsest = 0; // level at which charts keep clear of each other
+    tsl::TexelMap map;                                  // texels are dropped after upload
+    gpu::Buffer buffer;                                 // tsl::PackedTexels
+    std::array<uint32_t, shared::kMaxLevels> offsets{}; // of its levels
+    uint32_t coarsest = 0;                              // level at which charts keep clear of each other
 };
 
 // A mesh with a material, as lit texture.

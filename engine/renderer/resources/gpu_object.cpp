@@ -38,7 +38,7 @@ shared::Object dataOf(const scene::Material& material, const GpuMesh& mesh, cons
     data.alphaCutoff = material.alphaCutoff;
     if (surface.texelMap) {
         data.texels = surface.texelMap->buffer.address();
-        std::ranges::copy(surface.texelMap->map.offsets, data.texelOffsets);
+        std::ranges::copy(surface.texelMap->offsets, data.texelOffsets);
     }
     return data;
 }
@@ -67,6 +67,8 @@ GpuObject makeObject(const scene::Scene& scene, const scene::Object& object, con
                      .blend = blend,
                      .coloured = bool(mesh.colours),
                      .casts = !blend && !emits};
+    if (object.deformed >= 0)
+        result.data.flags |= shared::kObjectDeformed;
     place(result, object.worldFromObject, deformed);
     return result;
 }

@@ -104,6 +104,10 @@ void SceneLights::setShadows(const std::vector<shared::Shadow>& shadows, uint32_
     };
     touchMissing(shadows_, shadows);
     touchMissing(shadows, shadows_);
+    // So is one whose map has moved to another layer, since visibility is cached by layer.
+    for (size_t i = 0; i < std::min(shadows.size(), shadows_.size()); ++i)
+        if (shadows[i].light != shadows_[i].light)
+            touch(shadows[i].light, frame);
     shadows_ = shadows;
 }
 

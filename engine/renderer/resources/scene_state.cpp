@@ -8,8 +8,10 @@ SceneState::SceneState(const gpu::Device& device, const scene::Scene& scene, con
     : resources_(resources), frameSet_(device), lights_(frameSet_),
       deformed_(device, scene, resources.geometry->meshes()),
       objectTable_(device, scene.objects.size() * sizeof(shared::Object), gpu::Buffer::MemoryUsage::host,
-                   "objects")
+                   "objects"),
+      objectTexels_(gpu::makeTexelView(device, objectTable_))
 {
+    frameSet_.bindObjects(device, *objectTexels_);
     lights_.setEnvironment(device, resources.environment, 0);
     lights_.set(scene::lightsOf(scene), 0);
     for (const scene::Object& object : scene.objects)

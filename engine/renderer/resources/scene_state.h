@@ -49,6 +49,7 @@ private:
     DeformedMeshes deformed_;
     std::vector<GpuObject> objects_;
     gpu::Buffer objectTable_;
+    vk::raii::BufferView objectTexels_;
     uint32_t changed_ = 0; // frame in which an object last did
 };
 

@@ -1,0 +1,46 @@
+#include "surface_cache.h"
+#include <algorithm>
+
+namespace lumel {
+
+SurfaceCache::SurfaceCache(const gpu::Device& device)
+    : device_(device), layout_(gpu::makeSetLayout(device, {vk::DescriptorType::eUniformTexelBuffer})),
+      set_(gpu::makeSet(device, layout_))
+{
+}
+
+void SurfaceCache::allocate(uint32_t capacity)
+{
+    view_ = nullptr;
+    words_ = {}; // free first, so that memory never passes the cap
+    state_.capacity = capacity;
+    state_.oldest = state_.latest;
+    if (capacity == 0)
+        return;
+    words_ = gpu::Buffer(device_, capacity * kTileBytes, gpu::Buffer::MemoryUsage::device, "surface cache",
+                         "use a smaller --pool-mb");
+    view_ = gpu::makeTexelView(device_, words_);
+    gpu::writeTexels(device_, *set_, 0, *view_);
+}
+
+void SurfaceCache::reserve(size_t tiles, size_t capBytes)
+{
+    // Below this many it is not worth its passes.
+    constexpr size_t kLeastTiles = 64;
+    const size_t words = kTileBytes / sizeof(glm::uvec4);
+    const size_t most =
+        std::min(capBytes / kTileBytes, size_t(device_.limits().core.maxTexelBufferElements) / words);
+    // Frames leave an eighth of the ring to what they add; views move on.
+    const size_t needed = std::min(tiles + tiles / 4, most), wanted = std::min(2 * tiles, most);
+    if (state_.capacity > most)
+        allocate(uint32_t(most >= kLeastTiles ? most : 0));
+    else if (needed > state_.capacity && wanted >= kLeastTiles)
+        allocate(uint32_t(wanted));
+}
+
+void SurfaceCache::taken(uint32_t numbers)
+{
+    state_.latest += std::min(numbers, shared::surfacesAFrame(state_.capacity));
+}
+
+} // namespace lumel

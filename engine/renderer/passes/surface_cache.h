@@ -1,0 +1,38 @@
+// What lighting needs of lumels' surfaces, kept for tiles that are lit again: shaders/lib/surface_cache.glsl.
+// A ring of slots, a tile each; the oldest is given to the next tile that needs one.
+#pragma once
+#include "frame_context.h"
+
+namespace lumel {
+
+class SurfaceCache {
+public:
+    explicit SurfaceCache(const gpu::Device& device);
+
+    // Room for `tiles`, within so many bytes; never smaller than it is while it fits. What it held is lost
+    // when it is allocated anew. Call when no frame is in flight.
+    void reserve(size_t tiles, size_t capBytes);
+    void clear() { reserve(0, 0); }
+    // After a frame that took so many numbers.
+    void taken(uint32_t numbers);
+
+    shared::SurfaceCacheState state() const { return state_; }
+    vk::DeviceAddress address() const { return words_ ? words_.address() : 0; }
+    size_t bytes() const { return state_.capacity * kTileBytes; }
+    // Binding 0: the words as a uniform texel buffer.
+    const gpu::SetLayout& layout() const { return layout_; }
+    vk::DescriptorSet set() const { return *set_; }
+
+    static constexpr size_t kTileBytes = shared::kTileLumels * shared::kSurfaceWords * sizeof(glm::uvec4);
+
+private:
+    void allocate(uint32_t capacity);
+    const gpu::Device& device_;
+    gpu::SetLayout layout_;
+    vk::raii::DescriptorSet set_ = nullptr;
+    gpu::Buffer words_;
+    vk::raii::BufferView view_ = nullptr;
+    shared::SurfaceCacheState state_{};
+};
+
+} // namespace lumel

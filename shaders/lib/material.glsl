@@ -1,0 +1,89 @@
+// From a point on a mesh to the surface there: material texels, the tangent frame.
+#ifndef LUMEL_MATERIAL_GLSL
+#define LUMEL_MATERIAL_GLSL
+#include "lib/surface.glsl"
+#include "shared/tint.h"
+
+layout(set = 1, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
+layout(set = 1, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
+layout(set = 1, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
+layout(set = 1, binding = 3) uniform sampler2D mapEmissive;     // emitted radiance, ambient occlusion
+layout(set = 1, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
+layout(set = 1, binding = 5) uniform sampler2D mapBase;     // mean F0, mean variance of the level-0 lobes
+
+struct MaterialTexel {
+    vec2 normal;
+    vec3 covariance;
+    vec3 specular;
+    vec3 diffuse;
+    vec3 emitted;
+    float occlusion;
+    vec3 f0; // mean of the level-0 texels
+    float baseVariance;
+};
+
+MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 emissive, vec4 base)
+{
+    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, emissive.rgb, emissive.a,
+                         base.rgb, base.a);
+}
+
+// uv: of the reflectance (xy) and of emissive (zw). levels: of the reflectance and of emissive, which are chains of their own
+// sizes: each counts from its own map's finest level. They may be below 0.
+MaterialTexel sampleMaterial(vec4 uv, vec2 levels)
+{
+    levels = max(levels, vec2(0.0));
+    return unpackMaterial(textureLod(mapNormal, uv.xy, levels.x), textureLod(mapSpecular, uv.xy, levels.x),
+                          textureLod(mapDiffuse, uv.xy, levels.x), textureLod(mapEmissive, uv.zw, levels.y),
+                          textureLod(mapBase, uv.xy, levels.x)); // of the reflectance's size, or constant
+}
+
+MaterialTexel noMaterial()
+{
+    return MaterialTexel(vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, vec3(0.0), 0.0);
+}
+
+// All of it is linear: the maps hold means.
+void addMaterial(inout MaterialTexel sum, MaterialTexel texel, float weight)
+{
+    sum.normal += weight * texel.normal;
+    sum.covariance += weight * texel.covariance;
+    sum.specular += weight * texel.specular;
+    sum.diffuse += weight * texel.diffuse;
+    sum.emitted += weight * texel.emitted;
+    sum.occlusion += weight * texel.occlusion;
+    sum.f0 += weight * texel.f0;
+    sum.baseVariance += weight * texel.baseVariance;
+}
+
+MaterialTexel tinted(uint flags, float dielectric, MaterialTexel material, vec3 colour)
+{
+    if (dielectric >= 0.0) {
+        vec3 f0 = tintedSpecular(material.f0, material.diffuse, dielectric, colour);
+        material.specular *= f0 / max(material.f0, vec3(1e-6));
+        material.f0 = f0;
+    }
+    material.diffuse *= colour;
+    if ((flags & kObjectUnlit) != 0u)
+        material.emitted *= colour;
+    return material;
+}
+
+// position, normal, tangent (w = handedness) in world space, not necessarily unit.
+// flags: of the object.
+SurfacePoint surfacePoint(uint flags, MaterialTexel material, vec3 position, vec3 normal, vec4 tangent)
+{
+    vec3 n = normalize(normal);
+    vec3 t = tangent.xyz - n * dot(n, tangent.xyz);
+    t = dot(t, t) > 1e-12 ? normalize(t) : normalize(abs(n.x) < 0.9 ? cross(n, vec3(1, 0, 0)) : cross(n, vec3(0, 1, 0)));
+    // Bitangents belong to the object: a transform that mirrors it mirrors them, but not the cross product.
+    bool mirrored = (flags & kObjectMirrored) != 0u;
+    vec3 b = cross(n, t) * ((tangent.w < 0.0) != mirrored ? -1.0 : 1.0);
+    Lobe local = makeLobe(lobeNormal(material.normal), material.covariance);
+    mat3 worldFromTangent = mat3(t, b, n);
+    Lobe lobe = Lobe(worldFromTangent * local.normal, worldFromTangent * local.tangentU,
+                     worldFromTangent * local.tangentV, local.inverseCovariance, local.scale);
+    return SurfacePoint(SurfaceTexel(lobe, n, material.specular, material.f0, material.baseVariance, material.diffuse),
+                        position, material.emitted, material.occlusion);
+}
+#endif
