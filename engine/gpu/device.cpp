@@ -11,6 +11,8 @@
 namespace lumel::gpu {
 namespace {
 
+constexpr auto kSeenByHost =
+    vk::MemoryPropertyFlagBits::eHostVisible | vk::MemoryPropertyFlagBits::eHostCoherent;
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
@@ -233,7 +235,8 @@ Memory Device::allocate(const vk::MemoryRequirements& requirements, vk::MemoryPr
             Memory memory{.handle = {device_,
                                      {.pNext = deviceAddress ? &flags : nullptr,
                                       .allocationSize = requirements.size,
-                                      .memoryTypeIndex = i}}};
+                                      .memoryTypeIndex = i}},
+                          .seenByHost = (memory_.memoryTypes[i].propertyFlags & kSeenByHost) == kSeenByHost};
             ++memoryCount_.allocations;
             memoryCount_.bytes += requirements.size;
             memory.counted = {&memoryCount_, FreesCounted{requirements.size}};

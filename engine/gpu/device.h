@@ -40,6 +40,7 @@ struct FreesCounted {
 // Device memory, counted while it lives.
 struct Memory {
     vk::raii::DeviceMemory handle = nullptr;
+    bool seenByHost = false; // can be mapped, and is coherent
     std::unique_ptr<MemoryCount, FreesCounted> counted{};
 };
 

@@ -225,15 +225,16 @@ void Viewer::inspect(const ui::Layout& layout)
     if (!hit || !baked)
         return;
     ui::Texel texel{.material = size_t(scene->objects[hit->object].material)};
-    const auto& levels = (*baked)[texel.material].reflectance.levels;
+    const scene::Reflectance& reflectance = (*baked)[texel.material].reflectance;
     const float pixelMetres =
         2.0f * std::tan(0.5f * camera.yFov) * hit->distance / float(state_.settings.size.y);
-    const float texels = pixelMetres * hit->uvPerMetre * float(levels.front().width);
-    texel.level = std::clamp(int(std::lround(std::log2(std::max(texels, 1.0f)))), 0, int(levels.size()) - 1);
-    const baker::Level& level = levels[size_t(texel.level)];
+    const float texels = pixelMetres * hit->uvPerMetre * float(reflectance.size().x);
+    texel.level =
+        std::clamp(int(std::lround(std::log2(std::max(texels, 1.0f)))), 0, int(reflectance.levels()) - 1);
+    const glm::ivec2 size = reflectance.normal.size(size_t(texel.level));
     const glm::vec2 uv = hit->uv - glm::floor(hit->uv);
-    texel.x = std::min(int(uv.x * float(level.width)), level.width - 1);
-    texel.y = std::min(int(uv.y * float(level.height)), level.height - 1);
+    texel.x = std::min(int(uv.x * float(size.x)), size.x - 1);
+    texel.y = std::min(int(uv.y * float(size.y)), size.y - 1);
     inspector_.look(scene, baked, texel);
 }
 

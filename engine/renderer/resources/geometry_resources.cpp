@@ -57,9 +57,7 @@ GpuSurface GeometryResources::makeSurface(const gpu::Device& device, const scene
                                           const scene::Object& object, const scene::BakedMaterial& baked)
 {
     const scene::Mesh& mesh = scene.meshes[size_t(object.mesh)];
-    const baker::Level& finest = baked.reflectance.levels.front();
-    const Image& emissive = baked.emissive.front();
-    const glm::ivec2 size(finest.width, finest.height), emissiveSize(emissive.width, emissive.height);
+    const glm::ivec2 size = baked.reflectance.size(), emissiveSize = baked.emissive.size();
     GpuSurface surface;
     surface.ownMaterialUv = !readsMaterialAtLitUvs(mesh);
     surface.litSize =
