@@ -266,6 +266,7 @@ vk::raii::CommandBuffer Device::makeCommands() const
 
 void Device::runOnce(const std::function<void(vk::CommandBuffer)>& record) const
 {
+    const std::lock_guard lock(once_);
     const vk::raii::CommandBuffer buffer = makeCommands();
     const vk::CommandBuffer commands = *buffer;
     commands.begin(vk::CommandBufferBeginInfo{.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});

@@ -76,7 +76,8 @@ public:
                     const std::string& remedy, bool deviceAddress = false) const;
 
     vk::raii::CommandBuffer makeCommands() const;
-    // Records, submits and waits. For uploads and readbacks, not for frames.
+    // Records, submits and waits. For uploads and readbacks, not for frames. By one thread at a time: others
+    // wait, but no frame may be under way.
     void runOnce(const std::function<void(vk::CommandBuffer)>& record) const;
     void submitAndWait(vk::CommandBuffer commands) const;
 
@@ -115,6 +116,7 @@ private:
     vk::raii::DescriptorPool descriptorPool_ = nullptr;
     vk::raii::Fence fence_ = nullptr;
     mutable MemoryCount memoryCount_;
+    mutable std::mutex once_; // queue and command pool serve one thread
 
     void createInstance();
     void choosePhysical(const DeviceOptions& options);

@@ -26,15 +26,32 @@ void forBands(uint32_t rows, const std::function<void(uint32_t, uint32_t)>& work
 // 8192 and products of differences need more than float's 24 bits.
 struct Edge {
     glm::dvec2 from, along;
+    double slope; // columns a row; 0 where it is level, or nearly
 
-    Edge(glm::dvec2 p, glm::dvec2 q) : from(p), along(q - p) {}
+    Edge(glm::dvec2 p, glm::dvec2 q)
+        : from(p), along(q - p), slope(std::abs(along.y) > 1e-9 ? along.x / along.y : 0.0)
+    {
+    }
     double left(glm::dvec2 p) const { return along.x * (p.y - from.y) - along.y * (p.x - from.x); }
     bool holds(int x, double y) const { return left({x + 0.5, y}) >= 0.0; }
 
     // Narrows lumels [first, last] of the row with centres at height y to those inside. Each operation of
-    // left() is monotonic in x as it is rounded, so that these are a prefix or a suffix: the crossing is
-    // estimated by a division and made exact by holds().
+    // left() is monotonic in x as it is rounded, so that these are a prefix or a suffix: where it ends is
+    // estimated, then checked.
     void clip(double y, int& first, int& last) const
+    {
+        const double crossing = from.x + slope * (y - from.y) - 0.5;
+        int low = int(std::clamp(std::floor(crossing), first - 1.0, double(last)));
+        const bool before = holds(low, y);
+        if (before == holds(low + 1, y))
+            search(y, first, last);
+        else if (before)
+            last = std::min(last, low);
+        else
+            first = std::max(first, low + 1);
+    }
+
+    void search(double y, int& first, int& last) const
     {
         const bool begins = holds(first, y), ends = holds(last, y);
         if (begins == ends) {
@@ -42,14 +59,7 @@ struct Edge {
                 last = first - 1;
             return;
         }
-        // low and high are lumels on either side of the crossing.
-        int low = first, high = last;
-        const double crossing = from.x + along.x * (y - from.y) / along.y - 0.5;
-        for (const double offset : {0.0, 1.0, -1.0}) {
-            const double guess = std::floor(crossing) + offset;
-            if (guess > low && guess < high)
-                (holds(int(guess), y) == begins ? low : high) = int(guess);
-        }
+        int low = first, high = last; // on either side of the crossing
         while (high - low > 1) {
             const int middle = (low + high) / 2;
             (holds(middle, y) == begins ? low : high) = middle;
@@ -127,6 +137,7 @@ void rasteriseLevel(const scene::Mesh& mesh, glm::uvec2 size, uint32_t flags, ui
     const Bins bins = binTriangles(mesh, size);
     // Each band goes through its triangles in order: the result does not depend on the number of threads.
     forBands(size.y, [&](uint32_t row0, uint32_t row1) {
+        std::fill(texels + size_t(row0) * size.x, texels + size_t(row1) * size.x, 0u);
         const uint32_t band = row0 / kBandRows;
         for (uint32_t i = bins.first[band]; i < bins.first[band + 1]; ++i) {
             const uint32_t triangle = bins.triangles[i];
@@ -157,30 +168,41 @@ void placeStrays(const scene::Mesh& mesh, glm::uvec2 size, uint32_t* texels)
     }
 }
 
-// Coverage of a coarser level is the mean of its children's; a lumel whose own centre misses every chart
-// takes the triangle of its most covered child.
-void coverFromChildren(const uint32_t* fine, glm::uvec2 fineSize, uint32_t* coarse, glm::uvec2 size)
+// Coverage of a coarser level is the mean of its children's, kColumns x kRows of them; a lumel whose own
+// centre misses every chart takes the triangle of its most covered child.
+template<uint32_t kColumns, uint32_t kRows>
+void coverFromChildren(const uint32_t* fine, uint32_t* coarse, glm::uvec2 size)
 {
-    const glm::uvec2 ratio = fineSize / size;
     forBands(size.y, [&](uint32_t row0, uint32_t row1) {
         for (uint32_t y = row0; y < row1; ++y)
             for (uint32_t x = 0; x < size.x; ++x) {
                 uint32_t sum = 0, best = 0;
-                for (uint32_t j = 0; j < ratio.y; ++j)
-                    for (uint32_t i = 0; i < ratio.x; ++i) {
-                        const uint32_t child = fine[size_t(y * ratio.y + j) * fineSize.x + x * ratio.x + i];
+                for (uint32_t j = 0; j < kRows; ++j)
+                    for (uint32_t i = 0; i < kColumns; ++i) {
+                        const uint32_t child =
+                            fine[size_t(y * kRows + j) * size.x * kColumns + x * kColumns + i];
                         const uint32_t coverage = child >> kTexelCoverageShift;
                         sum += coverage;
                         if (coverage > best >> kTexelCoverageShift)
                             best = child;
                     }
-                const uint32_t count = ratio.x * ratio.y;
+                constexpr uint32_t count = kColumns * kRows;
                 const uint32_t coverage = (sum + count - 1) / count; // rounded up: covered stays covered
                 uint32_t& texel = coarse[size_t(y) * size.x + x];
                 const uint32_t triangle = (texel & kTexelTriangleMask) && coverage ? texel : best;
                 texel = coverage ? (triangle & kTexelTriangleMask) | coverage << kTexelCoverageShift : 0u;
             }
     });
+}
+
+void coverFromChildren(const uint32_t* fine, glm::uvec2 fineSize, uint32_t* coarse, glm::uvec2 size)
+{
+    if (fineSize.y == size.y)
+        coverFromChildren<2, 1>(fine, coarse, size);
+    else if (fineSize.x == size.x)
+        coverFromChildren<1, 2>(fine, coarse, size);
+    else
+        coverFromChildren<2, 2>(fine, coarse, size);
 }
 
 // One bit a lumel.
@@ -284,7 +306,7 @@ TexelMap makeTexelMap(const scene::Mesh& mesh, glm::uvec2 size)
         map.offsets[level] = total;
         total += map.levelSize(level).x * map.levelSize(level).y;
     }
-    map.texels.assign(total, 0);
+    map.texels.resize(total);
     for (uint32_t level = 0; level < map.levels; ++level) {
         uint32_t* texels = map.texels.data() + map.offsets[level];
         const glm::uvec2 levelSize = map.levelSize(level);

@@ -20,6 +20,7 @@ namespace {
 constexpr size_t kHistory = 240; // frames in the graph
 constexpr double kMessageSeconds = 6.0;
 constexpr double kAnimationStep = 1.0 / 30.0; // seconds
+constexpr double kLoadingStep = 0.1;          // seconds between redraws, which cost the loader time
 
 } // namespace
 
@@ -54,10 +55,7 @@ Viewer::Frontend::~Frontend()
 }
 
 Viewer::Viewer(const ViewArguments& arguments)
-    : arguments_(arguments), frontend_(arguments),
-      device_(std::make_unique<gpu::Device>(forRendering(arguments.device))),
-      window_(std::make_unique<gpu::Window>(*device_, frontend_.window, arguments.presentMode)),
-      renderers_(std::make_unique<ViewRenderers>(*device_))
+    : arguments_(arguments), frontend_(arguments), loader_(glfwPostEmptyEvent)
 {
     state_.settings = arguments.settings;
     state_.autoExposure = arguments.exposure == ExposureChoice::automatic;
@@ -67,8 +65,11 @@ Viewer::Viewer(const ViewArguments& arguments)
     state_.split = arguments.split;
     state_.panels = arguments.panels;
     state_.presentMode = arguments.presentMode;
+    beginLoading(arguments.scene); // the driver takes its time, too
+    device_ = std::make_unique<gpu::Device>(forRendering(arguments.device));
+    window_ = std::make_unique<gpu::Window>(*device_, frontend_.window, arguments.presentMode);
+    renderers_ = std::make_unique<ViewRenderers>(*device_);
     report_.device = device_->properties().deviceName.data();
-    beginLoading(arguments.scene);
 }
 
 Viewer::~Viewer()
@@ -82,7 +83,7 @@ void Viewer::run()
         if (interrupted())
             throw Interrupted();
         if (idle())
-            glfwWaitEventsTimeout(0.25);
+            glfwWaitEventsTimeout(loader_.busy() ? kLoadingStep : 0.25);
         else
             glfwPollEvents();
         frame();
@@ -95,9 +96,10 @@ bool Viewer::idle() const
     const bool minimised = glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) != 0;
     if (minimised)
         return true;
-    return !loader_.busy() && !inspector_.busy() && !frontend_.input->any() &&
-           (!state_.autoExposure || adaptation_.arrived()) &&
-           ((renderers_->finished() && !state_.playing) || state_.paused);
+    const bool still =
+        !renderers_->scene() || state_.paused ||
+        (renderers_->finished() && !state_.playing && (!state_.autoExposure || adaptation_.arrived()));
+    return still && !inspector_.busy() && !frontend_.input->any();
 }
 
 void Viewer::frame()
@@ -127,6 +129,7 @@ void Viewer::frame()
         render();
         inspect(layout);
         show(layout);
+        noteFirstPicture();
     }
     setTitle();
 }
@@ -208,6 +211,14 @@ void Viewer::show(const ui::Layout& layout)
     if (state_.split)
         place(1, state_.splitAt, 1.0f);
     window_->show(placements, ui::kBackground, ImGui::GetDrawData());
+}
+
+void Viewer::noteFirstPicture()
+{
+    if (!asked_ || loader_.busy() || !renderers_->picture(0))
+        return;
+    spdlog::info("{}: shown after {:.1f} s", arguments_.scene.string(), glfwGetTime() - *asked_);
+    asked_.reset();
 }
 
 // The texel under the cursor, of the level that the picture reads there.

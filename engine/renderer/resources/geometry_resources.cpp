@@ -77,7 +77,7 @@ const GpuTexelMap* GeometryResources::texelMapFor(const gpu::Device& device, con
     GpuTexelMap& result = entry->second;
     if (isNew) {
         result.map = tsl::makeTexelMap(mesh, grid);
-        result.buffer = gpu::uploadBuffer(device, result.map.texels, "texel map");
+        result.buffer = gpu::uploadBuffer(device, std::as_bytes(std::span(result.map.texels)), "texel map");
         result.coarsest = tsl::coarsestWithoutSeams(tsl::seamShares(mesh, result.map));
         result.map.texels = {};
     }
