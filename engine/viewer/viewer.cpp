@@ -96,10 +96,10 @@ bool Viewer::idle() const
     const bool minimised = glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) != 0;
     if (minimised)
         return true;
-    const bool still =
-        !renderers_->scene() || state_.paused ||
-        (renderers_->finished() && !state_.playing && (!state_.autoExposure || adaptation_.arrived()));
-    return still && !inspector_.busy() && !frontend_.input->any();
+    if (inspector_.busy() || frontend_.input->any())
+        return false;
+    return !renderers_->scene() || ((!state_.autoExposure || adaptation_.arrived()) &&
+                                    ((renderers_->finished() && !state_.playing) || state_.paused));
 }
 
 void Viewer::frame()
