@@ -107,7 +107,7 @@ void runShot(const ShotArguments& arguments)
         checkWritable(arguments.stats);
     // The driver takes its time, too.
     auto loading = std::async(std::launch::async, [&] { return scene::loadGltf(arguments.scene); });
-    const gpu::Device device(forRendering(arguments.device));
+    const gpu::Device device(deviceOptions(arguments));
     checkSizes(device, arguments.settings);
     scene::Scene scene = loading.get();
     changeScene(arguments, scene);

@@ -101,6 +101,7 @@ Device::Device(const DeviceOptions& options)
     createInstance();
     choosePhysical(options);
     createDevice();
+    pipelineCache_ = std::make_unique<PipelineCache>(device_, properties_, options.keepPipelines);
 }
 
 Device::~Device()

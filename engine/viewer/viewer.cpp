@@ -66,7 +66,7 @@ Viewer::Viewer(const ViewArguments& arguments)
     state_.panels = arguments.panels;
     state_.presentMode = arguments.presentMode;
     beginLoading(arguments.scene); // the driver takes its time, too
-    device_ = std::make_unique<gpu::Device>(forRendering(arguments.device));
+    device_ = std::make_unique<gpu::Device>(deviceOptions(arguments));
     window_ = std::make_unique<gpu::Window>(*device_, frontend_.window, arguments.presentMode);
     renderers_ = std::make_unique<ViewRenderers>(*device_);
     report_.device = device_->properties().deviceName.data();

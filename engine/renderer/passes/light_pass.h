@@ -9,6 +9,8 @@ namespace lumel {
 class LightPass {
 public:
     LightPass(const gpu::Device& device, const SceneState& scene, const LitPool& pool);
+    // Begins to make the pipeline that most frames need.
+    void prepare(const Frame& frame, const LitPool& pool) { lightPipeline(frame, pool, false); }
     void recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan);
     void recordLower(Frame& frame, const LitPool& pool, const PlanPass& plan);
 
