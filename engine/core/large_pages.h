@@ -1,6 +1,7 @@
 // Arrays of many MiB: their memory comes in large pages where the system has them, since a fault for each
 // 4 KiB takes longer than most work on them; and their elements are not set to zero.
 #pragma once
+#include <cstddef>
 #include <cstdlib>
 #include <new>
 #include <utility>
