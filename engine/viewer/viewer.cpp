@@ -82,8 +82,10 @@ void Viewer::run()
     while (!glfwWindowShouldClose(frontend_.window) && !state_.requests.quit) {
         if (interrupted())
             throw Interrupted();
-        if (idle())
-            glfwWaitEventsTimeout(loader_.busy() ? kLoadingStep : 0.25);
+        if (loader_.busy() && !frontend_.input->any())
+            glfwWaitEventsTimeout(kLoadingStep);
+        else if (idle())
+            glfwWaitEventsTimeout(0.25);
         else
             glfwPollEvents();
         frame();
