@@ -43,7 +43,7 @@ std::vector<uint32_t> chartsOf(const scene::Mesh& mesh)
 // A level's charts, one number a lumel.
 struct ChartLevel {
     glm::uvec2 size{0};
-    LargeArray<uint32_t> charts;
+    UninitialisedArray<uint32_t> charts;
 
     uint32_t at(int x, int y) const
     {
@@ -110,7 +110,7 @@ std::vector<float> seamShares(const scene::Mesh& mesh, const TexelMap& map)
     const std::vector<uint32_t> charts = chartsOf(mesh);
     if (charts.empty() || std::ranges::all_of(charts, [&](uint32_t c) { return c == charts[0]; }))
         return std::vector<float>(map.levels, 0.0f);
-    ChartLevel level{map.size, LargeArray<uint32_t>(size_t(map.size.x) * map.size.y)};
+    ChartLevel level{map.size, UninitialisedArray<uint32_t>(size_t(map.size.x) * map.size.y)};
     tbb::parallel_for(tbb::blocked_range<size_t>(0, level.charts.size(), 65536), [&](const auto& range) {
         for (size_t i = range.begin(); i < range.end(); ++i) {
             const uint32_t texel = map.texels[i];

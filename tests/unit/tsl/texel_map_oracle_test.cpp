@@ -97,9 +97,9 @@ void dilate(uint32_t* texels, glm::uvec2 size)
                 }
 }
 
-LargeArray<uint32_t> plainTexels(const scene::Mesh& mesh, const TexelMap& like)
+UninitialisedArray<uint32_t> plainTexels(const scene::Mesh& mesh, const TexelMap& like)
 {
-    LargeArray<uint32_t> all(like.texels.size(), 0);
+    UninitialisedArray<uint32_t> all(like.texels.size(), 0);
     for (uint32_t level = 0; level < like.levels; ++level) {
         uint32_t* texels = all.data() + like.offsets[level];
         const glm::uvec2 size = like.levelSize(level);
