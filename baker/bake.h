@@ -98,6 +98,9 @@ ReflectanceMips metadata(const Maps& maps, const Options& options);
 // Hash of every input and option that changes the result: the file's lumel:source and the cache key.
 std::string sourceHash(const Maps& maps, const Options& options);
 
+// Rounds a texel to half floats, so that it is still a lobe: finite, and S positive definite.
+void quantise(float* texel);
+
 // OpenEXR (baker/README.md): tiled, MIPMAP_LEVELS, half (or float), channels by name
 // (N.x N.y S.xx S.xy S.yy Ks.R Ks.G Ks.B Kd.R Kd.G Kd.B E), metadata lumel:*. Atomic.
 void writeExr(const std::filesystem::path& file, const ReflectanceMips& mips, bool asFloat = false);

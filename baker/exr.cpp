@@ -35,24 +35,6 @@ float roundToHalf(float v)
     return std::bit_cast<float>((bits + 0xfffu + ((bits >> 13) & 1u)) & ~0x1fffu);
 }
 
-// What is stored must still be a lobe: finite, and S positive definite after rounding. Long thin lobes
-// at an angle have det S far below the product of its rounded entries; |S.xy| then gives way.
-void quantise(float* texel)
-{
-    for (int c = 0; c < kChannels; ++c)
-        texel[c] = roundToHalf(std::clamp(texel[c], -kMaxHalf, kMaxHalf));
-    // A normal near the horizon may round to outside the disc.
-    while (texel[kNx] * texel[kNx] + texel[kNy] * texel[kNy] >= 1.0f) {
-        texel[kNx] = roundToHalf(texel[kNx] * (1.0f - 1.0f / 1024.0f));
-        texel[kNy] = roundToHalf(texel[kNy] * (1.0f - 1.0f / 1024.0f));
-    }
-    const float product = texel[kSxx] * texel[kSyy];
-    while (product - texel[kSxy] * texel[kSxy] < 2e-4f * product) {
-        const float step = std::max(std::abs(texel[kSxy]) / 2048.0f, 6e-8f);
-        texel[kSxy] = roundToHalf(std::copysign(std::abs(texel[kSxy]) - step, texel[kSxy]));
-    }
-}
-
 OIIO::ImageSpec makeSpec(const ReflectanceMips& mips, int width, int height, bool asFloat)
 {
     OIIO::ImageSpec spec(width, height, kChannels, asFloat ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::HALF);
@@ -168,6 +150,23 @@ std::string attribute(const ImageFile& file, const char* name)
 }
 
 } // namespace
+
+// Long thin lobes at an angle have det S far below the product of its rounded entries; |S.xy| then gives way.
+void quantise(float* texel)
+{
+    for (int c = 0; c < kChannels; ++c)
+        texel[c] = roundToHalf(std::clamp(texel[c], -kMaxHalf, kMaxHalf));
+    // A normal near the horizon may round to outside the disc.
+    while (texel[kNx] * texel[kNx] + texel[kNy] * texel[kNy] >= 1.0f) {
+        texel[kNx] = roundToHalf(texel[kNx] * (1.0f - 1.0f / 1024.0f));
+        texel[kNy] = roundToHalf(texel[kNy] * (1.0f - 1.0f / 1024.0f));
+    }
+    const float product = texel[kSxx] * texel[kSyy];
+    while (product - texel[kSxy] * texel[kSxy] < 2e-4f * product) {
+        const float step = std::max(std::abs(texel[kSxy]) / 2048.0f, 6e-8f);
+        texel[kSxy] = roundToHalf(std::copysign(std::abs(texel[kSxy]) - step, texel[kSxy]));
+    }
+}
 
 void writeExr(const std::filesystem::path& file, const ReflectanceMips& mips, bool asFloat)
 {

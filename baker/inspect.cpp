@@ -99,15 +99,15 @@ TexelInspector::TexelInspector(Maps maps) : data_(std::make_unique<Data>(std::mo
 
 TexelInspector::~TexelInspector() = default;
 
-TexelLobes TexelInspector::look(const std::vector<Level>& levels, size_t level, int x, int y) const
+TexelLobes TexelInspector::look(const std::vector<Level>& sizes, size_t level, int x, int y,
+                                const float* texel) const
 {
     const DiscGrid& grid = data_->grid;
-    const float* stored = levels[level].at(x, y);
     std::vector<float> g(grid.size()), f(grid.size()), lean(grid.size());
-    Averages(data_->source, levels, grid, 0).get(level, x, y, g.data());
-    grid.add({stored[kNx], stored[kNy], stored[kSxx], stored[kSxy], stored[kSyy]},
-             float(luminance({stored[kKsR], stored[kKsG], stored[kKsB]})), f.data());
-    grid.add(leanShape(momentsOf(data_->source, levels[level], x, y)), 1.0f, lean.data());
+    Averages(data_->source, sizes, grid, 0).get(level, x, y, g.data());
+    grid.add({texel[kNx], texel[kNy], texel[kSxx], texel[kSxy], texel[kSyy]},
+             float(luminance({texel[kKsR], texel[kKsG], texel[kKsB]})), f.data());
+    grid.add(leanShape(momentsOf(data_->source, sizes[level], x, y)), 1.0f, lean.data());
     lean = scaledToFit(grid, std::move(lean), g);
     TexelLobes result;
     frameAverage(grid, g, result);

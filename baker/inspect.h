@@ -27,8 +27,9 @@ public:
     explicit TexelInspector(Maps maps); // throws Error for unusable ones
     ~TexelInspector();
 
-    // levels: baked from the maps, of any method.
-    TexelLobes look(const std::vector<Level>& levels, size_t level, int x, int y) const;
+    // `texel`: that of a chain baked from the maps by any method, whose levels have these sizes; their texels
+    // are not read.
+    TexelLobes look(const std::vector<Level>& sizes, size_t level, int x, int y, const float* texel) const;
 
 private:
     struct Data;

@@ -47,7 +47,7 @@ bool runBench(const BenchArguments& given)
     if (arguments.scenes.empty())
         arguments.scenes.push_back(std::filesystem::relative(exampleScene("stress")));
     checkOutputs(arguments);
-    const gpu::Device device(forRendering(arguments.device));
+    const gpu::Device device(deviceOptions(arguments));
     BenchRunner runner(device, arguments);
     runner.measure();
     const nlohmann::json document = runner.document();

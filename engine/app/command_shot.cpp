@@ -6,6 +6,7 @@
 #include "renderer/demands.h"
 #include "setup.h"
 #include <fmt/format.h>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -104,9 +105,11 @@ void runShot(const ShotArguments& arguments)
     checkWritable(files.of(0));
     if (!arguments.stats.empty())
         checkWritable(arguments.stats);
-    const gpu::Device device(forRendering(arguments.device));
+    // The driver takes its time, too.
+    auto loading = std::async(std::launch::async, [&] { return scene::loadGltf(arguments.scene); });
+    const gpu::Device device(deviceOptions(arguments));
     checkSizes(device, arguments.settings);
-    scene::Scene scene = scene::loadGltf(arguments.scene);
+    scene::Scene scene = loading.get();
     changeScene(arguments, scene);
     const scene::Camera camera = chooseCamera(arguments, scene).camera;
     const auto materials = scene::bakeMaterials(scene, {.method = arguments.filter,

@@ -1,5 +1,6 @@
 #include "setup.h"
 #include "core/error.h"
+#include "renderer/demands.h"
 #include "renderer/setting_text.h"
 #include "scene/environment.h"
 #include "scene/view_camera.h"
@@ -30,6 +31,13 @@ ChosenCamera defaultCamera(const SceneArguments& arguments, const scene::Scene& 
 }
 
 } // namespace
+
+gpu::DeviceOptions deviceOptions(const SceneArguments& arguments)
+{
+    gpu::DeviceOptions options = forRendering(arguments.device);
+    options.keepPipelines = arguments.useCache;
+    return options;
+}
 
 ChosenCamera chooseCamera(const SceneArguments& arguments, const scene::Scene& scene)
 {

@@ -5,6 +5,9 @@
 
 namespace lumel {
 
+// Of the device that the options name, for rendering.
+gpu::DeviceOptions deviceOptions(const SceneArguments& arguments);
+
 struct ChosenCamera {
     scene::Camera camera;
     bool named = true; // --camera takes its name

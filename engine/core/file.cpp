@@ -4,8 +4,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace lumel {
@@ -29,6 +32,31 @@ std::vector<std::byte> readFile(const fs::path& file, size_t maxBytes)
     if (!stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size)))
         throw Error(fmt::format("{}: cannot be read; check its permissions", file.string()));
     return bytes;
+}
+
+MappedFile::MappedFile(const fs::path& file)
+{
+    const int opened = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat status {};
+    if (opened < 0 || fstat(opened, &status) != 0 || !S_ISREG(status.st_mode)) {
+        if (opened >= 0)
+            close(opened);
+        throw Error(fmt::format("{}: cannot be read; check its permissions", file.string()));
+    }
+    const auto size = size_t(status.st_size);
+    // At once: page after page would be a fault each.
+    void* const at =
+        size > 0 ? mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, opened, 0) : nullptr;
+    close(opened);
+    if (at == MAP_FAILED)
+        throw Error(fmt::format("{}: cannot be read ({})", file.string(), std::strerror(errno)));
+    bytes_ = {static_cast<const std::byte*>(at), size};
+}
+
+MappedFile::~MappedFile()
+{
+    if (!bytes_.empty())
+        munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
 }
 
 namespace {
@@ -98,6 +126,39 @@ fs::path cacheFolder()
         throw Error(fmt::format("{}: the cache folder cannot be made ({}); set XDG_CACHE_HOME",
                                 folder.string(), code.message()));
     return folder;
+}
+
+void markUsed(const fs::path& file)
+{
+    const timespec times[2] = {{.tv_sec = 0, .tv_nsec = UTIME_NOW}, {.tv_sec = 0, .tv_nsec = UTIME_OMIT}};
+    utimensat(AT_FDCWD, file.c_str(), times, 0); // where it fails, the file is deleted sooner: no harm
+}
+
+void deleteUnused(const fs::path& folder, uintmax_t mostBytes)
+{
+    struct Used {
+        fs::path file;
+        time_t when;
+        uintmax_t bytes;
+    };
+    std::vector<Used> files;
+    uintmax_t bytes = 0;
+    std::error_code code;
+    for (const auto& entry : fs::directory_iterator(folder, code)) {
+        struct stat status {};
+        if (stat(entry.path().c_str(), &status) != 0 || !S_ISREG(status.st_mode))
+            continue;
+        files.push_back(
+            {entry.path(), std::max(status.st_atime, status.st_mtime), uintmax_t(status.st_size)});
+        bytes += files.back().bytes;
+    }
+    std::ranges::sort(files, {}, &Used::when);
+    for (const Used& used : files) {
+        if (bytes <= mostBytes)
+            return;
+        if (fs::remove(used.file, code))
+            bytes -= used.bytes;
+    }
 }
 
 // Fowler, Noll and Vo's FNV-1a (64 bit), eight bytes a step where there are eight; the second lane runs

@@ -13,6 +13,19 @@ namespace lumel {
 // Reads a whole file. Throws Error naming it when missing, unreadable, a folder, or over `maxBytes`.
 std::vector<std::byte> readFile(const std::filesystem::path& file, size_t maxBytes = size_t(4) << 30);
 
+// A file's bytes in memory, read as they are touched. Throws Error like readFile().
+class MappedFile {
+public:
+    explicit MappedFile(const std::filesystem::path& file);
+    ~MappedFile();
+    MappedFile(const MappedFile&) = delete;
+    MappedFile& operator=(const MappedFile&) = delete;
+    std::span<const std::byte> bytes() const { return bytes_; }
+
+private:
+    std::span<const std::byte> bytes_;
+};
+
 // Throws Error unless a file could be written there: commands call it before long work.
 void checkWritable(const std::filesystem::path& file);
 
@@ -25,6 +38,10 @@ void writeFileAtomically(const std::filesystem::path& file, const std::string& t
 
 // $XDG_CACHE_HOME/lumel, else ~/.cache/lumel (XDG Base Directory specification); made if missing.
 std::filesystem::path cacheFolder();
+// Marks a file of the cache as used now, which only deleteUnused() notices.
+void markUsed(const std::filesystem::path& file);
+// Deletes the files of a folder that were used least recently until the rest has at most so many bytes.
+void deleteUnused(const std::filesystem::path& folder, uintmax_t mostBytes);
 
 // Streaming 128-bit content hash (two FNV-1a lanes with different offsets). Not cryptographic: it keys
 // the bake cache, where inputs are the user's own files.

@@ -11,6 +11,8 @@
 namespace lumel::gpu {
 namespace {
 
+constexpr auto kSeenByHost =
+    vk::MemoryPropertyFlagBits::eHostVisible | vk::MemoryPropertyFlagBits::eHostCoherent;
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
@@ -99,6 +101,7 @@ Device::Device(const DeviceOptions& options)
     createInstance();
     choosePhysical(options);
     createDevice();
+    pipelineCache_ = std::make_unique<PipelineCache>(device_, properties_, options.keepPipelines);
 }
 
 Device::~Device()
@@ -234,7 +237,8 @@ Memory Device::allocate(const vk::MemoryRequirements& requirements, vk::MemoryPr
             Memory memory{.handle = {device_,
                                      {.pNext = deviceAddress ? &flags : nullptr,
                                       .allocationSize = requirements.size,
-                                      .memoryTypeIndex = i}}};
+                                      .memoryTypeIndex = i}},
+                          .seenByHost = (memory_.memoryTypes[i].propertyFlags & kSeenByHost) == kSeenByHost};
             ++memoryCount_.allocations;
             memoryCount_.bytes += requirements.size;
             memory.counted = {&memoryCount_, FreesCounted{requirements.size}};
@@ -264,6 +268,7 @@ vk::raii::CommandBuffer Device::makeCommands() const
 
 void Device::runOnce(const std::function<void(vk::CommandBuffer)>& record) const
 {
+    const std::lock_guard lock(once_);
     const vk::raii::CommandBuffer buffer = makeCommands();
     const vk::CommandBuffer commands = *buffer;
     commands.begin(vk::CommandBufferBeginInfo{.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});

@@ -1,6 +1,7 @@
 // The Vulkan device that everything runs on: instance, queue, memory, one-time commands.
 #pragma once
 #include "limits.h"
+#include "pipeline_cache.h"
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -15,7 +16,8 @@ namespace lumel::gpu {
 struct DeviceOptions {
     std::string device{}; // index, or part of its or its driver's name; empty = the first suitable one
     bool validation = false;
-    Demands demands{}; // beyond the features that every device must have
+    bool keepPipelines = false; // in the user's cache folder
+    Demands demands{};          // beyond the features that every device must have
     // To present to a window: the instance extensions that its system asks for; empty = no window.
     std::vector<std::string> windowExtensions{};
 };
@@ -40,6 +42,7 @@ struct FreesCounted {
 // Device memory, counted while it lives.
 struct Memory {
     vk::raii::DeviceMemory handle = nullptr;
+    bool seenByHost = false; // can be mapped, and is coherent
     std::unique_ptr<MemoryCount, FreesCounted> counted{};
 };
 
@@ -65,6 +68,7 @@ public:
     const vk::raii::CommandPool& commandPool() const { return commandPool_; }
     const vk::raii::DescriptorPool& descriptorPool() const { return descriptorPool_; }
     const vk::PhysicalDeviceProperties& properties() const { return properties_; }
+    const vk::raii::PipelineCache& pipelineCache() const { return pipelineCache_->handle(); }
     const Limits& limits() const { return limits_; }
     std::string driver() const { return driver_; }
     std::vector<std::string> validationMessages() const;
@@ -75,7 +79,8 @@ public:
                     const std::string& remedy, bool deviceAddress = false) const;
 
     vk::raii::CommandBuffer makeCommands() const;
-    // Records, submits and waits. For uploads and readbacks, not for frames.
+    // Records, submits and waits. For uploads and readbacks, not for frames. By one thread at a time: others
+    // wait, but no frame may be under way.
     void runOnce(const std::function<void(vk::CommandBuffer)>& record) const;
     void submitAndWait(vk::CommandBuffer commands) const;
 
@@ -109,11 +114,13 @@ private:
     std::string driver_;
     uint32_t queueFamily_ = 0;
     vk::raii::Device device_ = nullptr;
+    std::unique_ptr<PipelineCache> pipelineCache_;
     vk::raii::Queue queue_ = nullptr;
     vk::raii::CommandPool commandPool_ = nullptr;
     vk::raii::DescriptorPool descriptorPool_ = nullptr;
     vk::raii::Fence fence_ = nullptr;
     mutable MemoryCount memoryCount_;
+    mutable std::mutex once_; // queue and command pool serve one thread
 
     void createInstance();
     void choosePhysical(const DeviceOptions& options);

@@ -45,6 +45,12 @@ struct Constants {
     vk::SpecializationInfo info;
 };
 
+template<class Make>
+CompiledPipeline compile(Make make)
+{
+    return CompiledPipeline(std::async(std::launch::async, std::move(make)));
+}
+
 vk::raii::PipelineLayout makeLayout(const Device& device, const std::vector<vk::DescriptorSetLayout>& sets,
                                     uint32_t pushBytes)
 {
@@ -152,18 +158,21 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
 {
     // Devices that run 8 invocations at a time or fewer go over a tile row by row (light.comp).
     const uint32_t lanes = device.limits().subgroupSize <= 8 ? 8 : 64;
-    const Constants constants(features, 0, 1, lanes);
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);
-    const auto module = makeModule(device, shader);
-    pipeline.handle =
-        vk::raii::Pipeline(device.handle(), nullptr,
-                           vk::ComputePipelineCreateInfo{.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
-                                                                   .module = *module,
-                                                                   .pName = "main",
-                                                                   .pSpecializationInfo = &constants.info},
-                                                         .layout = *pipeline.layout});
-    device.name(pipeline.handle, shader);
+    pipeline.handle = compile(
+        [&device, shader, features, lanes, layout = *pipeline.layout, module = makeModule(device, shader)] {
+            const Constants constants(features, 0, 1, lanes);
+            vk::raii::Pipeline made(
+                device.handle(), device.pipelineCache(),
+                vk::ComputePipelineCreateInfo{.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
+                                                        .module = *module,
+                                                        .pName = "main",
+                                                        .pSpecializationInfo = &constants.info},
+                                              .layout = layout});
+            device.name(made, shader);
+            return made;
+        });
     return pipeline;
 }
 
@@ -187,23 +196,20 @@ static vk::PipelineColorBlendAttachmentState blendOf(const GraphicsInfo& info)
             .colorWriteMask = Component::eR | Component::eG | Component::eB | Component::eA};
 }
 
-Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
+// Of vertices, then of fragments where there are such.
+using Modules = std::vector<vk::raii::ShaderModule>;
+
+static vk::raii::Pipeline compileGraphics(const Device& device, const GraphicsInfo& info,
+                                          const Modules& modules, vk::PipelineLayout layout)
 {
-    Pipeline pipeline;
-    pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
     const Constants constants(info.features, info.filter, info.anisotropy, 0);
-    std::vector<vk::raii::ShaderModule> modules;
     std::vector<vk::PipelineShaderStageCreateInfo> stages;
-    const auto addStage = [&](vk::ShaderStageFlagBits stage, const std::string& shader) {
-        modules.push_back(makeModule(device, shader));
-        stages.push_back({.stage = stage,
-                          .module = *modules.back(),
-                          .pName = "main",
-                          .pSpecializationInfo = &constants.info});
-    };
-    addStage(vk::ShaderStageFlagBits::eVertex, info.vertex);
-    if (!info.fragment.empty())
-        addStage(vk::ShaderStageFlagBits::eFragment, info.fragment);
+    for (const auto stage : {vk::ShaderStageFlagBits::eVertex, vk::ShaderStageFlagBits::eFragment})
+        if (stages.size() < modules.size())
+            stages.push_back({.stage = stage,
+                              .module = *modules[stages.size()],
+                              .pName = "main",
+                              .pSpecializationInfo = &constants.info});
     const auto input = vk::PipelineVertexInputStateCreateInfo{}
                            .setVertexBindingDescriptions(info.bindings)
                            .setVertexAttributeDescriptions(info.attributes);
@@ -233,10 +239,24 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
                                                        .pDepthStencilState = &depth,
                                                        .pColorBlendState = &blend,
                                                        .pDynamicState = &dynamic,
-                                                       .layout = *pipeline.layout}
+                                                       .layout = layout}
                             .setStages(stages);
-    pipeline.handle = vk::raii::Pipeline(device.handle(), nullptr, create);
-    device.name(pipeline.handle, info.fragment.empty() ? info.vertex : info.fragment);
+    vk::raii::Pipeline made(device.handle(), device.pipelineCache(), create);
+    device.name(made, info.fragment.empty() ? info.vertex : info.fragment);
+    return made;
+}
+
+Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
+{
+    Pipeline pipeline;
+    pipeline.layout = makeLayout(device, info.sets, info.pushBytes);
+    Modules modules;
+    modules.push_back(makeModule(device, info.vertex));
+    if (!info.fragment.empty())
+        modules.push_back(makeModule(device, info.fragment));
+    pipeline.handle = compile([&device, info, layout = *pipeline.layout, modules = std::move(modules)] {
+        return compileGraphics(device, info, modules, layout);
+    });
     return pipeline;
 }
 

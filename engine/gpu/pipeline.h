@@ -1,6 +1,7 @@
 // Pipelines from embedded SPIR-V, and the layouts of their descriptor sets.
 #pragma once
 #include "device.h"
+#include <future>
 #include <map>
 #include <span>
 
@@ -22,9 +23,28 @@ void writeUniform(const Device& device, vk::DescriptorSet set, uint32_t binding,
 void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::ImageView view);
 void writeTexels(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::BufferView view);
 
+// Compiled on a thread of its own from when it is made to when it is first used: drivers take from
+// milliseconds to a second for each.
+class CompiledPipeline {
+public:
+    CompiledPipeline() = default;
+    explicit CompiledPipeline(std::future<vk::raii::Pipeline> compiling) : compiling_(std::move(compiling)) {}
+    // Waits for it, and throws what went wrong. Null: none.
+    vk::Pipeline operator*() const
+    {
+        if (compiling_.valid())
+            done_ = compiling_.get();
+        return *done_;
+    }
+
+private:
+    mutable std::future<vk::raii::Pipeline> compiling_; // waits when it is destroyed
+    mutable vk::raii::Pipeline done_ = nullptr;
+};
+
 struct Pipeline {
     vk::raii::PipelineLayout layout = nullptr;
-    vk::raii::Pipeline handle = nullptr;
+    CompiledPipeline handle;
 };
 
 Pipeline makeComputePipeline(const Device& device, const std::string& shader,

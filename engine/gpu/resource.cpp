@@ -25,7 +25,7 @@ Buffer::Buffer(const Device& device, size_t bytes, MemoryUsage memoryUsage, cons
     memory_ = device.allocate(buffer_.getMemoryRequirements(), wanted, remedy, true);
     buffer_.bindMemory(*memory_.handle, 0);
     address_ = device.handle().getBufferAddress({.buffer = *buffer_});
-    if (memoryUsage == MemoryUsage::host)
+    if (memory_.seenByHost)
         mapped_ = memory_.handle.mapMemory(0, size_);
     device.name(buffer_, name);
 }
@@ -61,6 +61,10 @@ Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const
     Buffer buffer(device, data.size(), Buffer::MemoryUsage::device, name);
     if (data.empty())
         return buffer;
+    if (buffer.mapped<void>()) { // memory that both share: submitting makes it visible
+        std::memcpy(buffer.mapped<void>(), data.data(), data.size());
+        return buffer;
+    }
     const Buffer staging(device, data.size(), Buffer::MemoryUsage::host, name + " (staging)");
     std::memcpy(staging.mapped<void>(), data.data(), data.size());
     device.runOnce([&](vk::CommandBuffer commands) { recordUpload(commands, staging, buffer); });
@@ -149,8 +153,72 @@ vk::raii::ImageView Image::layerView(const Device& device, uint32_t layer) const
                                                      .subresourceRange = {aspect(), 0, 1, layer, 1}}};
 }
 
+namespace {
+
+// Fills an image through a buffer of kStagingBytes or one row, whichever is more: fresh memory costs more
+// than a submission.
+class HalfImageUpload {
+public:
+    HalfImageUpload(const Device& device, const Image& image, size_t bytes)
+        : device_(device), image_(image), rowBytes_(image.info().width * kTexelBytes),
+          staging_(device, std::min(bytes, std::max(kStagingBytes, rowBytes_)), Buffer::MemoryUsage::host,
+                   "staging")
+    {
+    }
+
+    void add(uint32_t mip, std::span<const uint16_t> texels)
+    {
+        const uint32_t width = std::max(1u, image_.info().width >> mip);
+        const uint32_t height = std::max(1u, image_.info().height >> mip);
+        const size_t rowBytes = width * kTexelBytes;
+        const auto bytes = std::as_bytes(texels);
+        for (uint32_t row = 0, count = 0; row < height; row += count) {
+            if (used_ + rowBytes > staging_.size())
+                flush();
+            count = std::min(height - row, uint32_t((staging_.size() - used_) / rowBytes));
+            std::memcpy(staging_.mapped<std::byte>() + used_, bytes.data() + row * rowBytes,
+                        count * rowBytes);
+            copies_.push_back({.bufferOffset = used_,
+                               .imageSubresource = {image_.aspect(), mip, 0, 1},
+                               .imageOffset = {0, int32_t(row), 0},
+                               .imageExtent = {width, count, 1}});
+            used_ += count * rowBytes;
+        }
+    }
+
+    void finish() { flush(true); }
+
+private:
+    static constexpr size_t kStagingBytes = 8 << 20, kTexelBytes = 4 * sizeof(uint16_t);
+
+    void flush(bool last = false)
+    {
+        device_.runOnce([&](vk::CommandBuffer commands) {
+            if (!std::exchange(begun_, true))
+                imageBarrier(commands, image_.handle(), image_.aspect(), Use::undefined, Use::transferWrite);
+            commands.copyBufferToImage(staging_.handle(), image_.handle(),
+                                       vk::ImageLayout::eTransferDstOptimal, copies_);
+            if (last)
+                imageBarrier(commands, image_.handle(), image_.aspect(), Use::transferWrite,
+                             Use::shaderSample);
+        });
+        copies_.clear();
+        used_ = 0;
+    }
+
+    const Device& device_;
+    const Image& image_;
+    size_t rowBytes_;
+    Buffer staging_;
+    size_t used_ = 0;
+    bool begun_ = false;
+    std::vector<vk::BufferImageCopy> copies_;
+};
+
+} // namespace
+
 Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
-                      const std::vector<std::vector<uint16_t>>& levels, const std::string& name)
+                      const std::vector<std::span<const uint16_t>>& levels, const std::string& name)
 {
     Image image(device,
                 {.width = width,
@@ -160,19 +228,11 @@ Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
                 name);
     size_t bytes = 0;
     for (const auto& level : levels)
-        bytes += level.size() * sizeof(uint16_t);
-    const Buffer staging(device, bytes, Buffer::MemoryUsage::host, name + " (staging)");
-    std::vector<vk::BufferImageCopy> copies;
-    size_t offset = 0;
-    for (uint32_t mip = 0; mip < levels.size(); ++mip) {
-        std::memcpy(staging.mapped<std::byte>() + offset, levels[mip].data(),
-                    levels[mip].size() * sizeof(uint16_t));
-        copies.push_back({.bufferOffset = offset,
-                          .imageSubresource = {vk::ImageAspectFlagBits::eColor, mip, 0, 1},
-                          .imageExtent = {std::max(1u, width >> mip), std::max(1u, height >> mip), 1}});
-        offset += levels[mip].size() * sizeof(uint16_t);
-    }
-    device.runOnce([&](vk::CommandBuffer commands) { recordUpload(commands, staging, image, copies); });
+        bytes += level.size_bytes();
+    HalfImageUpload upload(device, image, bytes);
+    for (uint32_t mip = 0; mip < levels.size(); ++mip)
+        upload.add(mip, levels[mip]);
+    upload.finish();
     return image;
 }
 

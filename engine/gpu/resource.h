@@ -6,7 +6,7 @@
 
 namespace lumel::gpu {
 
-// A storage buffer with a device address. Host-visible buffers stay mapped.
+// A storage buffer with a device address. Buffers stay mapped where the host sees their memory.
 class Buffer {
 public:
     enum class MemoryUsage { device, host };
@@ -20,7 +20,7 @@ public:
     size_t size() const { return size_; }
     explicit operator bool() const { return size_ > 0; }
     template<class T>
-    T* mapped() const
+    T* mapped() const // of MemoryUsage::host; of others null where the host does not see it
     {
         return static_cast<T*>(mapped_);
     }
@@ -89,7 +89,7 @@ void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Image
 // An RGBA16F image with all its mips for sampling. levels[i] holds width >> i by height >> i RGBA half texels
 // (floor, at least 1).
 Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
-                      const std::vector<std::vector<uint16_t>>& levels, const std::string& name);
+                      const std::vector<std::span<const uint16_t>>& levels, const std::string& name);
 
 // Reads a buffer's first bytes back.
 std::vector<std::byte> readBack(const Device& device, const Buffer& buffer, size_t bytes);

@@ -132,6 +132,7 @@ void Window::createPanels()
     info.QueueFamily = device_.queueFamily();
     info.Queue = *device_.queue();
     info.DescriptorPool = *panelSets_;
+    info.PipelineCache = *device_.pipelineCache();
     info.MinImageCount = 2;
     info.ImageCount = 2;
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;

@@ -12,6 +12,9 @@ namespace lumel {
 void Renderer::recordFrame(Frame& frame)
 {
     settled_ = true;
+    draw_.prepare(frame, pool_); // compiles while the passes before it run
+    if (settings_.shading == Shading::tsl)
+        light_.prepare(frame, pool_, plan_);
     deform_.record(frame); // joints and morph targets move vertices
     shadow_.record(frame); // how far the lights reach, where lights or objects have moved
     if (settings_.shading == Shading::tsl)

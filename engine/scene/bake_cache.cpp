@@ -1,34 +1,26 @@
 #include "bake_cache.h"
 #include "material_fields.h"
 #include "material_maps.h"
+#include <cstring>
 #include <fmt/format.h>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
+#include <tbb/parallel_for.h>
 
 namespace lumel::scene {
 namespace {
 
 constexpr const char* kMapsVersion = "3"; // raise when material_maps.cpp changes its results
-
-std::string fileHash(const std::filesystem::path& file)
-{
-    const auto bytes = readFile(file);
-    return ContentHash().add(bytes.data(), bytes.size()).addValue(bytes.size()).hex();
-}
+constexpr const char* kEnding = ".maps";
+constexpr int kMaxSide = 16384;                      // texels, of an image
+constexpr uintmax_t kMaxBytes = uintmax_t(12) << 30; // the most that one scene may need, and a little more
 
 nlohmann::json readJson(const std::filesystem::path& file)
 {
     const auto text = readFile(file, 4096);
     const char* begin = reinterpret_cast<const char*>(text.data());
     return nlohmann::json::parse(begin, begin + text.size());
-}
-
-bool isUsable(const Image& emissive)
-{
-    if (emissive.empty() || emissive.channels != 4)
-        return false;
-    return std::all_of(emissive.pixels.begin(), emissive.pixels.end(),
-                       [](float value) { return std::isfinite(value); });
 }
 
 // Tells a file that names a key from one that was damaged so that it names another.
@@ -48,6 +40,104 @@ void addField(ContentHash& hash, const Field& field)
         forEachUvMappingField(field, [&](const auto& part) { hash.addValue(part); });
     else
         hash.addValue(field);
+}
+
+// An entry: this, then the chains' texels.
+struct Header {
+    // Another number when half_maps.cpp, baseReflectance() or emissiveChain() change their results.
+    std::array<char, 16> format = {"lumel maps 1"};
+    std::array<char, 32> key{}, contents{}; // hashes: of what was baked, and of sizes and texels
+    std::array<glm::ivec2, 5> sizes{};
+};
+
+std::array<const HalfChain*, 5> chainsOf(const BakedMaterial& baked)
+{
+    const Reflectance& r = baked.reflectance;
+    return {&r.normal, &r.specular, &r.diffuse, &r.base, &baked.emissive};
+}
+
+std::array<char, 32> digits(const std::string& hash)
+{
+    std::array<char, 32> result{};
+    std::ranges::copy(hash, result.begin());
+    return result;
+}
+
+using Bytes = std::span<const std::byte>;
+
+// Hashes parts of 1 MiB on all cores, then their hashes.
+std::array<char, 32> hashOf(const std::array<glm::ivec2, 5>& sizes, std::span<const Bytes> chains)
+{
+    constexpr size_t kPart = 1 << 20;
+    ContentHash all;
+    all.addValue(sizes);
+    for (const Bytes& chain : chains) {
+        std::vector<std::string> hashes((chain.size() + kPart - 1) / kPart);
+        tbb::parallel_for(size_t(0), hashes.size(), [&](size_t i) {
+            const Bytes part = chain.subspan(i * kPart, std::min(kPart, chain.size() - i * kPart));
+            hashes[i] = ContentHash().add(part.data(), part.size()).hex();
+        });
+        for (const std::string& hash : hashes)
+            all.add(hash);
+    }
+    return digits(all.hex());
+}
+
+BakedMaterial readEntry(const std::filesystem::path& path, const std::string& key)
+{
+    const auto damaged = [] { return Error("the file has changed since it was stored"); };
+    const auto file = std::make_shared<const MappedFile>(path);
+    Header header;
+    Bytes rest = file->bytes();
+    if (rest.size() < sizeof header)
+        throw damaged();
+    std::memcpy(&header, rest.data(), sizeof header);
+    rest = rest.subspan(sizeof header);
+    if (header.format != Header().format || header.key != digits(key))
+        throw damaged();
+    std::array<HalfChain, 5> chains;
+    std::array<Bytes, 5> bytes;
+    for (size_t i = 0; i < chains.size(); ++i) {
+        const glm::ivec2 size = header.sizes[i];
+        if (std::min(size.x, size.y) < 1 || std::max(size.x, size.y) > kMaxSide ||
+            HalfChain::byteCount(size) > rest.size())
+            throw damaged();
+        chains[i] = HalfChain(size, reinterpret_cast<const uint16_t*>(rest.data()), file);
+        bytes[i] = chains[i].bytes();
+        rest = rest.subspan(bytes[i].size());
+    }
+    if (!rest.empty() || header.contents != hashOf(header.sizes, bytes))
+        throw damaged();
+    auto& [normal, specular, diffuse, base, emissive] = chains;
+    BakedMaterial baked;
+    baked.reflectance.normal = normal;
+    baked.reflectance.specular = specular;
+    baked.reflectance.diffuse = diffuse;
+    baked.reflectance.base = base;
+    baked.emissive = emissive;
+    return baked;
+}
+
+void writeEntry(const std::filesystem::path& path, const std::string& key, const BakedMaterial& baked)
+{
+    Header header;
+    header.key = digits(key);
+    std::array<Bytes, 5> bytes;
+    const auto chains = chainsOf(baked);
+    for (size_t i = 0; i < chains.size(); ++i) {
+        header.sizes[i] = chains[i]->size();
+        bytes[i] = chains[i]->bytes();
+    }
+    header.contents = hashOf(header.sizes, bytes);
+    writeAtomically(path, [&](const std::filesystem::path& temporary) {
+        std::ofstream stream(temporary, std::ios::binary);
+        stream.write(reinterpret_cast<const char*>(&header), sizeof header);
+        for (const Bytes& chain : bytes)
+            stream.write(reinterpret_cast<const char*>(chain.data()), std::streamsize(chain.size()));
+        stream.close();
+        if (!stream)
+            throw Error(fmt::format("{}: cannot be written ({})", path.string(), std::strerror(errno)));
+    });
 }
 
 } // namespace
@@ -142,31 +232,13 @@ void BakeCache::remember(const std::string& inputKey, const std::string& key)
 
 std::optional<BakedMaterial> BakeCache::load(const std::string& key) const
 {
-    if (!folder_ || !std::filesystem::exists(path(key, ".json")))
+    if (!folder_ || !std::filesystem::exists(path(key, kEnding)))
         return std::nullopt;
     try {
-        const auto manifest = readJson(path(key, ".json"));
-        if (manifest.at("key") != key || manifest.at("reflectance") != fileHash(path(key, ".exr")))
-            throw Error("the file has changed since it was stored");
-        BakedMaterial baked;
-        baked.reflectance = baker::readExr(path(key, ".exr"));
-        if (baked.reflectance.version != baker::kVersion)
-            throw Error("written by another version");
-        Image emissive(1, 1, 4);
-        if (manifest.at("emissive").is_array())
-            emissive.pixels = manifest["emissive"].get<std::vector<float>>();
-        else if (manifest["emissive"] == fileHash(path(key, "-emissive.exr")))
-            emissive = readImage(path(key, "-emissive.exr"));
-        else
-            throw Error("the file has changed since it was stored");
-        if (emissive.pixels.size() != 4 * size_t(emissive.width) * size_t(emissive.height) ||
-            !isUsable(emissive))
-            throw Error("not an emissive map");
-        baked.emissive = mipChain(std::move(emissive));
+        BakedMaterial baked = readEntry(path(key, kEnding), key);
+        markUsed(path(key, kEnding));
         return baked;
-    } catch (const Interrupted&) {
-        throw;
-    } catch (const std::exception& e) {
+    } catch (const Error& e) {
         spdlog::debug("cache entry {} is baked again: {}", key, e.what());
         return std::nullopt;
     }
@@ -177,17 +249,8 @@ void BakeCache::store(const std::string& key, const BakedMaterial& baked)
     if (!folder_)
         return;
     try {
-        nlohmann::json manifest = {{"key", key}};
-        baker::writeExr(path(key, ".exr"), baked.reflectance);
-        manifest["reflectance"] = fileHash(path(key, ".exr"));
-        const Image& emissive = baked.emissive.front();
-        if (emissive.width * emissive.height == 1) {
-            manifest["emissive"] = emissive.pixels;
-        } else {
-            writeImage(path(key, "-emissive.exr"), emissive);
-            manifest["emissive"] = fileHash(path(key, "-emissive.exr"));
-        }
-        writeFileAtomically(path(key, ".json"), manifest.dump() + "\n");
+        writeEntry(path(key, kEnding), key, baked);
+        deleteUnused(*folder_, kMaxBytes);
     } catch (const Error& e) {
         giveUp(e);
     }

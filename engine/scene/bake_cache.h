@@ -1,8 +1,8 @@
 // Baked materials on disk, by content.
 //
-// An entry is <key>.exr (the reflectance), <key>-emissive.exr where emission varies, and <key>.json with the
-// hash of each of these files' bytes, written last. An entry counts only if all hashes agree and the files
-// can be read; so whatever is truncated, damaged, exchanged or of another version is baked again.
+// An entry is <key>.maps: sizes, a hash of all that follows, and the half floats that the GPU reads, which
+// are mapped, not copied. An entry counts only if its key and its hash agree; so whatever is truncated,
+// damaged or exchanged is baked again. The entries that were used least recently make room for new ones.
 //
 // The key is a hash of what is baked: the decoded, joined maps and the options. Since decoding takes longer
 // than all else in a start with a full cache, <inputs>-key.json keeps the key that a material led to, under
@@ -21,8 +21,6 @@ class BakeCache {
 public:
     // Without a usable cache folder: one warning, and an always empty cache.
     BakeCache(const Scene& scene, const MaterialOptions& options);
-
-    bool usable() const { return folder_.has_value(); }
 
     // Of all fields that maps can depend on, the encoded images, options and versions: nothing is decoded.
     std::string inputKey(const Material& material) const;

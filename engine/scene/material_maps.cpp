@@ -274,6 +274,13 @@ std::vector<Image> mipChain(Image image)
     return levels;
 }
 
+HalfChain emissiveChain(Image image)
+{
+    const HalfChain level({image});
+    halfToFloats(level.texels(0), image.pixels.data());
+    return HalfChain(mipChain(std::move(image)));
+}
+
 std::vector<Image> baseReflectance(const baker::ReflectanceMips& mips)
 {
     const baker::Level& level = mips.levels.front();

@@ -1,6 +1,7 @@
 // glTF's metallic-roughness material to what the baker takes.
 #pragma once
 #include "baker/bake.h"
+#include "half_maps.h"
 #include "scene.h"
 
 namespace lumel::scene {
@@ -19,6 +20,8 @@ Image opacityImage(const Scene& scene, const Material& material);
 // The image and its halves down to 1 x 1: level L is max(1, floor(size / 2^L)), each texel the average
 // of the area that it covers.
 std::vector<Image> mipChain(Image image);
+// The same of an emissive image in half floats, averaged from what its level 0 rounds to.
+HalfChain emissiveChain(Image image);
 
 // What the level-0 lobes under each texel are on average: F0 (rgb) and their variance (alpha), see
 // shaders/shared/energy.h; 1 x 1 where neither varies. A fitted Ks is the projection of the mean reflectance

@@ -1,18 +1,18 @@
 // A scene's materials, baked by the embedded baker or taken from the cache.
 #pragma once
-#include "baker/bake.h"
+#include "half_maps.h"
 #include "scene.h"
 
 namespace lumel::scene {
 
 struct BakedMaterial {
-    baker::ReflectanceMips reflectance;
+    Reflectance reflectance;
     // What the material adds and takes away besides reflecting: rgb = emitted radiance (linear), alpha =
-    // ambient occlusion (1 open). Levels as in `reflectance`, of a size of its own; 1 x 1 when constant.
-    std::vector<Image> emissive;
+    // ambient occlusion (1 open). Of a size of its own; 1 x 1 when constant.
+    HalfChain emissive;
     // One channel, the share of light that the surface stops: base colour alpha of masked and blended
     // materials, mipped; 1 x 1 where it does not vary.
-    std::vector<Image> opacity;
+    HalfChain opacity;
 };
 
 struct MaterialOptions {

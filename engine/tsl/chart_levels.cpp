@@ -43,7 +43,7 @@ std::vector<uint32_t> chartsOf(const scene::Mesh& mesh)
 // A level's charts, one number a lumel.
 struct ChartLevel {
     glm::uvec2 size{0};
-    std::vector<uint32_t> charts;
+    UninitialisedArray<uint32_t> charts;
 
     uint32_t at(int x, int y) const
     {
@@ -53,11 +53,15 @@ struct ChartLevel {
     bool seam(int x, int y) const
     {
         const uint32_t own = at(x, y);
+        const bool inside = x > 0 && y > 0 && x + 1 < int(size.x) && y + 1 < int(size.y);
+        const uint32_t* const middle = charts.data() + size_t(y) * size.x + size_t(x);
+        bool mixed = own == kSeveral;
         for (int j = -1; j <= 1; ++j)
-            for (int i = -1; i <= 1; ++i)
-                if (const uint32_t other = at(x + i, y + j); other != kNone && other != own)
-                    return true;
-        return own == kSeveral;
+            for (int i = -1; i <= 1; ++i) {
+                const uint32_t other = inside ? middle[j * int(size.x) + i] : at(x + i, y + j);
+                mixed |= (other != kNone) & (other != own);
+            }
+        return mixed;
     }
 };
 
@@ -106,12 +110,15 @@ std::vector<float> seamShares(const scene::Mesh& mesh, const TexelMap& map)
     const std::vector<uint32_t> charts = chartsOf(mesh);
     if (charts.empty() || std::ranges::all_of(charts, [&](uint32_t c) { return c == charts[0]; }))
         return std::vector<float>(map.levels, 0.0f);
-    ChartLevel level{map.size, std::vector<uint32_t>(size_t(map.size.x) * map.size.y)};
-    for (size_t i = 0; i < level.charts.size(); ++i) {
-        const uint32_t texel = map.texels[i];
-        level.charts[i] =
-            texel >> shared::kTexelCoverageShift ? charts[(texel & shared::kTexelTriangleMask) - 1] : kNone;
-    }
+    ChartLevel level{map.size, UninitialisedArray<uint32_t>(size_t(map.size.x) * map.size.y)};
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, level.charts.size(), 65536), [&](const auto& range) {
+        for (size_t i = range.begin(); i < range.end(); ++i) {
+            const uint32_t texel = map.texels[i];
+            level.charts[i] = texel >> shared::kTexelCoverageShift
+                                  ? charts[(texel & shared::kTexelTriangleMask) - 1]
+                                  : kNone;
+        }
+    });
     std::vector<float> shares;
     for (uint32_t i = 0; i < map.levels; ++i) {
         if (i > 0)

@@ -61,13 +61,14 @@ PackedTexels pack(const TexelMap& map)
         const glm::uvec2 size = map.levelSize(level), tiles = tilesOf(size);
         total += size.x * size.y + tiles.x * tiles.y;
     }
-    packed.words.assign(total, 0);
+    packed.words.resize(total);
     for (uint32_t level = 0; level < map.levels; ++level) {
         const RawLevel raw{map.texels.data() + map.offsets[level], glm::ivec2(map.levelSize(level))};
         uint32_t* texels = packed.words.data() + packed.offsets[level];
         uint32_t* masks = texels + size_t(raw.size.x) * size_t(raw.size.y);
         const glm::ivec2 tiles(tilesOf(map.levelSize(level)));
         tbb::parallel_for(0, tiles.y, [&](int row) {
+            std::fill_n(masks + row * tiles.x, tiles.x, 0u);
             const int firstLumel = row * int(shared::kTileSize);
             for (int y = firstLumel; y < std::min(firstLumel + int(shared::kTileSize), raw.size.y); ++y)
                 for (int x = 0; x < raw.size.x; ++x) {

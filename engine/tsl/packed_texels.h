@@ -8,7 +8,7 @@ struct PackedTexels {
     std::array<uint32_t, shared::kMaxLevels> offsets{}; // first word of each level
     // Of each level: a texel for each lumel, then for each tile the mask of its quads that hold surface or
     // gutter.
-    std::vector<uint32_t> words;
+    UninitialisedArray<uint32_t> words;
 };
 
 PackedTexels pack(const TexelMap& map);

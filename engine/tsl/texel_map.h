@@ -1,9 +1,9 @@
 // Which triangle each lumel lies on, for every level: made once per mesh and lumel grid.
 #pragma once
+#include "core/uninitialised.h"
 #include "scene/scene.h"
 #include <array>
 #include <cstdint>
-#include <vector>
 
 namespace lumel::tsl {
 
@@ -16,7 +16,7 @@ struct TexelMap {
     std::array<uint32_t, shared::kMaxLevels> offsets{}; // first entry of each level
     // Triangle + 1 in the low 24 bits (0: no surface near), coverage 0..255 in the high 8 (0: gutter).
     // Coverage is the share of the lumel that charts cover, at the resolution of level-0 lumel centres.
-    std::vector<uint32_t> texels;
+    UninitialisedArray<uint32_t> texels;
 
     glm::uvec2 levelSize(uint32_t level) const { return glm::max(size >> level, glm::uvec2(1)); }
     uint32_t at(uint32_t level, uint32_t x, uint32_t y) const

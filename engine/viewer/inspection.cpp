@@ -55,15 +55,20 @@ void Inspector::work(const scene::Scene& scene, const std::vector<scene::BakedMa
 {
     if (!maps_ || maps_->material != texel.material)
         maps_ = std::make_shared<Maps>(scene, texel.material);
-    const auto& levels = baked[texel.material].reflectance.levels;
-    const baker::Level& level = levels[size_t(texel.level)];
+    const scene::Reflectance& reflectance = baked[texel.material].reflectance;
+    const auto level = size_t(texel.level);
+    std::vector<baker::Level> sizes;
+    for (size_t i = 0; i < reflectance.levels(); ++i) {
+        const glm::ivec2 size = reflectance.normal.size(i);
+        sizes.push_back({.width = size.x, .height = size.y, .texels = {}});
+    }
+    result_.baked = reflectance.at(level, texel.x, texel.y);
     static_cast<baker::TexelLobes&>(result_) =
-        maps_->inspector.look(levels, size_t(texel.level), texel.x, texel.y);
+        maps_->inspector.look(sizes, level, texel.x, texel.y, result_.baked.data());
     result_.texel = texel;
     result_.material = scene.materials[texel.material].name;
-    result_.width = level.width;
-    result_.height = level.height;
-    std::copy_n(level.at(texel.x, texel.y), baker::kChannels, result_.baked.begin());
+    result_.width = sizes[level].width;
+    result_.height = sizes[level].height;
     result_.valid = true;
 }
 

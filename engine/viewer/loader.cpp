@@ -32,6 +32,7 @@ void Loader::begin(const std::filesystem::path& file, const MaterialOptions& opt
             error_ = e.what();
         }
         done_ = true;
+        report_();
     });
 }
 

@@ -17,6 +17,8 @@ struct LoadedScene {
 
 class Loader {
 public:
+    // done: called on the loader's thread when there is something to take().
+    explicit Loader(std::function<void()> done) : report_(std::move(done)) {}
     ~Loader() { cancel(); }
 
     // Begins; cancels a load in progress. Without `known` the file is loaded first. `finish` may change
@@ -31,6 +33,7 @@ public:
     void cancel();
 
 private:
+    std::function<void()> report_;
     std::unique_ptr<ProgressMonitor> monitor_ = std::make_unique<ProgressMonitor>();
     std::thread thread_;
     std::atomic<bool> done_ = false;

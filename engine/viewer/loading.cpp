@@ -3,6 +3,8 @@
 #include "core/error.h"
 #include "scene/environment.h"
 #include "viewer.h"
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 namespace lumel {
@@ -18,7 +20,8 @@ scene::MaterialOptions Viewer::bakeOptions(baker::Method method) const
 void Viewer::beginLoading(const std::filesystem::path& file)
 {
     load_ = {.kind = Load::Kind::scene, .file = file, .material = {}};
-    const bool first = !renderers_->scene();
+    const bool first = !renderers_ || !renderers_->scene();
+    asked_ = first ? 0.0 : glfwGetTime(); // it counts from the program's start
     loader_.begin(file, bakeOptions(state_.sides[0].filter), {}, [this, file, first](scene::Scene& scene) {
         // Options that change a scene are about the one they came with.
         if (first)

@@ -20,6 +20,7 @@ namespace {
 constexpr size_t kHistory = 240; // frames in the graph
 constexpr double kMessageSeconds = 6.0;
 constexpr double kAnimationStep = 1.0 / 30.0; // seconds
+constexpr double kLoadingStep = 0.1;          // seconds between redraws, which cost the loader time
 
 } // namespace
 
@@ -54,10 +55,7 @@ Viewer::Frontend::~Frontend()
 }
 
 Viewer::Viewer(const ViewArguments& arguments)
-    : arguments_(arguments), frontend_(arguments),
-      device_(std::make_unique<gpu::Device>(forRendering(arguments.device))),
-      window_(std::make_unique<gpu::Window>(*device_, frontend_.window, arguments.presentMode)),
-      renderers_(std::make_unique<ViewRenderers>(*device_))
+    : arguments_(arguments), frontend_(arguments), loader_(glfwPostEmptyEvent)
 {
     state_.settings = arguments.settings;
     state_.autoExposure = arguments.exposure == ExposureChoice::automatic;
@@ -67,8 +65,11 @@ Viewer::Viewer(const ViewArguments& arguments)
     state_.split = arguments.split;
     state_.panels = arguments.panels;
     state_.presentMode = arguments.presentMode;
+    beginLoading(arguments.scene); // the driver takes its time, too
+    device_ = std::make_unique<gpu::Device>(deviceOptions(arguments));
+    window_ = std::make_unique<gpu::Window>(*device_, frontend_.window, arguments.presentMode);
+    renderers_ = std::make_unique<ViewRenderers>(*device_);
     report_.device = device_->properties().deviceName.data();
-    beginLoading(arguments.scene);
 }
 
 Viewer::~Viewer()
@@ -81,7 +82,9 @@ void Viewer::run()
     while (!glfwWindowShouldClose(frontend_.window) && !state_.requests.quit) {
         if (interrupted())
             throw Interrupted();
-        if (idle())
+        if (loader_.busy() && !frontend_.input->any())
+            glfwWaitEventsTimeout(kLoadingStep);
+        else if (idle())
             glfwWaitEventsTimeout(0.25);
         else
             glfwPollEvents();
@@ -95,9 +98,10 @@ bool Viewer::idle() const
     const bool minimised = glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) != 0;
     if (minimised)
         return true;
-    return !loader_.busy() && !inspector_.busy() && !frontend_.input->any() &&
-           (!state_.autoExposure || adaptation_.arrived()) &&
-           ((renderers_->finished() && !state_.playing) || state_.paused);
+    if (inspector_.busy() || frontend_.input->any())
+        return false;
+    return !renderers_->scene() || ((!state_.autoExposure || adaptation_.arrived()) &&
+                                    ((renderers_->finished() && !state_.playing) || state_.paused));
 }
 
 void Viewer::frame()
@@ -127,6 +131,7 @@ void Viewer::frame()
         render();
         inspect(layout);
         show(layout);
+        noteFirstPicture();
     }
     setTitle();
 }
@@ -210,6 +215,14 @@ void Viewer::show(const ui::Layout& layout)
     window_->show(placements, ui::kBackground, ImGui::GetDrawData());
 }
 
+void Viewer::noteFirstPicture()
+{
+    if (!asked_ || loader_.busy() || !renderers_->picture(0))
+        return;
+    spdlog::info("{}: shown after {:.1f} s", arguments_.scene.string(), glfwGetTime() - *asked_);
+    asked_.reset();
+}
+
 // The texel under the cursor, of the level that the picture reads there.
 void Viewer::inspect(const ui::Layout& layout)
 {
@@ -225,15 +238,16 @@ void Viewer::inspect(const ui::Layout& layout)
     if (!hit || !baked)
         return;
     ui::Texel texel{.material = size_t(scene->objects[hit->object].material)};
-    const auto& levels = (*baked)[texel.material].reflectance.levels;
+    const scene::Reflectance& reflectance = (*baked)[texel.material].reflectance;
     const float pixelMetres =
         2.0f * std::tan(0.5f * camera.yFov) * hit->distance / float(state_.settings.size.y);
-    const float texels = pixelMetres * hit->uvPerMetre * float(levels.front().width);
-    texel.level = std::clamp(int(std::lround(std::log2(std::max(texels, 1.0f)))), 0, int(levels.size()) - 1);
-    const baker::Level& level = levels[size_t(texel.level)];
+    const float texels = pixelMetres * hit->uvPerMetre * float(reflectance.size().x);
+    texel.level =
+        std::clamp(int(std::lround(std::log2(std::max(texels, 1.0f)))), 0, int(reflectance.levels()) - 1);
+    const glm::ivec2 size = reflectance.normal.size(size_t(texel.level));
     const glm::vec2 uv = hit->uv - glm::floor(hit->uv);
-    texel.x = std::min(int(uv.x * float(level.width)), level.width - 1);
-    texel.y = std::min(int(uv.y * float(level.height)), level.height - 1);
+    texel.x = std::min(int(uv.x * float(size.x)), size.x - 1);
+    texel.y = std::min(int(uv.y * float(size.y)), size.y - 1);
     inspector_.look(scene, baked, texel);
 }
 

@@ -36,6 +36,7 @@ private:
     void expose(double seconds);
     void render();
     void show(const ui::Layout& layout);
+    void noteFirstPicture();
     void inspect(const ui::Layout& layout);
     glm::uvec2 pictureSize(const ui::Layout& layout) const;
 
@@ -85,6 +86,7 @@ private:
     Load load_;
     std::shared_ptr<const scene::Environment> environment_; // as shown
     std::string environmentName_;
+    std::optional<double> asked_; // when the scene that is not shown yet was, seconds
     int screenshots_ = 0;
     ExposureAdaptation adaptation_;
     bool exposureAsked_ = false; // is automatic exposure needed?

@@ -168,8 +168,8 @@ TEST_F(Environment, RoughMetalsKeepTheirEnergy)
     s.add(planeMesh(4), metal);
     s.scene.environment = greyEnvironment(0.5f);
     const float scaleKs = [&] { // how much the fit loses here
-        const auto& levels = s.materials[0].reflectance.levels;
-        return levels.back().texels[baker::kKsR] / 0.9f;
+        const scene::Reflectance& reflectance = s.materials[0].reflectance;
+        return reflectance.at(reflectance.levels() - 1, 0, 0)[baker::kKsR] / 0.9f;
     }();
     EXPECT_LT(scaleKs, 0.7f);
     for (const float distance : {3.0f, 40.0f})

@@ -205,7 +205,7 @@ struct ShinyPlane {
         maps.diffuseConstant = {0.05f, 0.1f, 0.2f};
         scene.add(std::move(mesh), maps, worldFromObject);
         // The highlight is in the middle: what the lobe's own normal mirrors.
-        const float* t = scene.materials[0].reflectance.levels[0].at(0, 0);
+        const auto t = scene.materials[0].reflectance.at(0, 0, 0);
         const glm::vec3 n =
             glm::mat3(tangent, bitangent, normal) * shared::lobeNormal({t[baker::kNx], t[baker::kNy]});
         light = sun(glm::reflect(glm::normalize(camera.eye), n));
@@ -224,7 +224,7 @@ struct ShinyPlane {
         const glm::vec3 local = glm::inverse(worldFromObject) * glm::vec4(position, 1.0f);
         if (std::max(std::abs(local.x), std::abs(local.y)) > 0.9f)
             return std::nullopt;
-        const float* t = scene.materials[0].reflectance.levels[0].at(0, 0);
+        const auto t = scene.materials[0].reflectance.at(0, 0, 0);
         const shared::Lobe lobe = shared::makeLobe(shared::lobeNormal({t[baker::kNx], t[baker::kNy]}),
                                                    {t[baker::kSxx], t[baker::kSxy], t[baker::kSyy]});
         const glm::mat3 frame(tangent, bitangent, normal);

@@ -22,7 +22,7 @@ TEST_F(FrameTest, ForwardPixelEqualsTheSharedFormulaInCpp)
     settings.msaa = 1;
     const Picture picture = shoot(s, camera, settings);
 
-    const float* texel = s.materials[0].reflectance.levels[0].at(0, 0);
+    const auto texel = s.materials[0].reflectance.at(0, 0, 0);
     ASSERT_NE(texel[baker::kSxy], 0.0f) << "axes matter";
     const glm::vec3 covariance(texel[baker::kSxx], texel[baker::kSxy], texel[baker::kSyy]);
     const auto surface =

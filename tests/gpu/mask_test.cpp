@@ -11,7 +11,7 @@ constexpr float kMaskDistance = 0.5f; // above the floor
 constexpr int kTexels = 64;
 
 // A chessboard of `cells` per side, as a MIP chain: white is kept, black is cut out.
-std::vector<Image> chessOpacity(int cells, int texels = kTexels)
+scene::HalfChain chessOpacity(int cells, int texels = kTexels)
 {
     std::vector<Image> chain;
     Image level(texels, texels, 1);
@@ -28,7 +28,7 @@ std::vector<Image> chessOpacity(int cells, int texels = kTexels)
                                           *fine.at(2 * x, 2 * y + 1) + *fine.at(2 * x + 1, 2 * y + 1));
         chain.push_back(half);
     }
-    return chain;
+    return scene::HalfChain(chain);
 }
 
 // A bumpy floor; in front of its left half a sheet with a chessboard cut out of it.
@@ -137,8 +137,9 @@ TEST_F(Mask, FineHolesInMotionShowFineLight)
 TEST_F(Mask, BlendedSurfacesHideNothing)
 {
     TestScene s = sheetOverFloor(scene::AlphaMode::blend, 4);
-    s.materials[1].opacity.assign(1, Image(1, 1, 1));
-    s.materials[1].opacity[0].pixels = {0.2f};
+    Image opacity(1, 1, 1);
+    opacity.pixels = {0.2f};
+    s.materials[1].opacity = scene::HalfChain({opacity});
     const Image reference = shoot(s, kAbove, settingsFor(Shading::reference, kViewSize)).display;
     const Image tsl = shoot(s, kAbove, settingsFor(Shading::tsl, kViewSize)).display;
     const double behind = psnrWhere(tsl, reference, Seen::hole, 4),

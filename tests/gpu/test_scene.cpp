@@ -116,10 +116,12 @@ void TestScene::add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& 
     scene.materials.emplace_back();
     scene::BakedMaterial baked;
     baked.reflectance = baker::bake(maps, {});
-    baked.emissive.emplace_back(1, 1, 4);
-    baked.emissive.front().pixels = {0.0f, 0.0f, 0.0f, 1.0f};
-    baked.opacity.emplace_back(1, 1, 1);
-    baked.opacity.front().pixels = {1.0f};
+    Image dark(1, 1, 4);
+    dark.pixels.back() = 1.0f;
+    baked.emissive = scene::HalfChain({dark});
+    Image opaque(1, 1, 1);
+    opaque.pixels = {1.0f};
+    baked.opacity = scene::HalfChain({opaque});
     materials.push_back(std::move(baked));
 }
 

@@ -66,6 +66,13 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
     return pipeline = gpu::makeGraphicsPipeline(frame.device, info);
 }
 
+void DrawPass::prepare(const Frame& frame, const LitPool& pool)
+{
+    pipeline(frame, pool, frame.settings.shading == Shading::tsl ? Kind::lit : Kind::forward);
+    if (frame.scene.features() & shared::kFeatureEnvironment)
+        pipeline(frame, pool, Kind::background);
+}
+
 void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
 {
     const vk::CommandBuffer commands = frame.commands;

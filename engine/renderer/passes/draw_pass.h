@@ -7,6 +7,8 @@ namespace lumel {
 
 class DrawPass {
 public:
+    // Begins to make the pipelines that most frames need.
+    void prepare(const Frame& frame, const LitPool& pool);
     void record(Frame& frame, const LitPool& pool);
 
 private:

@@ -9,6 +9,12 @@ namespace lumel {
 class LightPass {
 public:
     LightPass(const gpu::Device& device, const SceneState& scene, const LitPool& pool);
+    // Begins to make the pipelines that most frames need.
+    void prepare(const Frame& frame, const LitPool& pool, const PlanPass& plan)
+    {
+        lightPipeline(frame, pool, false);
+        cachedPipeline(frame, pool, plan.surfaces());
+    }
     void recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan);
     void recordLower(Frame& frame, const LitPool& pool, const PlanPass& plan);
 

@@ -7,7 +7,7 @@ static const std::vector<Image> kBlack = {Image(1, 1, 3)};
 
 EnvironmentMap::EnvironmentMap(const gpu::Device& device, const scene::Environment* environment)
     : exists_(environment != nullptr),
-      levels_(uploadChain(device, exists_ ? environment->levels : kBlack, "environment"))
+      levels_(uploadChain(device, scene::HalfChain(exists_ ? environment->levels : kBlack), "environment"))
 {
     if (exists_)
         diffuse_ = environment->diffuse;

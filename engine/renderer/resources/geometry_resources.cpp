@@ -58,9 +58,7 @@ GpuSurface GeometryResources::makeSurface(const gpu::Device& device, const scene
                                           const scene::Object& object, const scene::BakedMaterial& baked)
 {
     const scene::Mesh& mesh = scene.meshes[size_t(object.mesh)];
-    const baker::Level& finest = baked.reflectance.levels.front();
-    const Image& emissive = baked.emissive.front();
-    const glm::ivec2 size(finest.width, finest.height), emissiveSize(emissive.width, emissive.height);
+    const glm::ivec2 size = baked.reflectance.size(), emissiveSize = baked.emissive.size();
     GpuSurface surface;
     surface.ownMaterialUv = !readsMaterialAtLitUvs(mesh);
     surface.litSize =
@@ -82,7 +80,7 @@ const GpuTexelMap* GeometryResources::texelMapFor(const gpu::Device& device, con
         result.map = tsl::makeTexelMap(mesh, grid);
         const tsl::PackedTexels packed = tsl::pack(result.map);
         result.offsets = packed.offsets;
-        result.buffer = gpu::uploadBuffer(device, packed.words, "texel map");
+        result.buffer = gpu::uploadBuffer(device, std::as_bytes(std::span(packed.words)), "texel map");
         result.coarsest = tsl::coarsestWithoutSeams(tsl::seamShares(mesh, result.map));
         result.map.texels = {};
     }

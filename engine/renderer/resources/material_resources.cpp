@@ -1,6 +1,5 @@
 #include "material_resources.h"
 #include "gpu/sampler.h"
-#include "scene/material_maps.h"
 #include "upload.h"
 #include <array>
 
@@ -34,25 +33,22 @@ vk::Sampler MaterialResources::samplerOf(const scene::UvMapping& uv) const
 GpuMaterial MaterialResources::upload(const gpu::Device& device, const scene::BakedMaterial& baked,
                                       const scene::Material& source) const
 {
-    using enum baker::Channel;
-    const std::string& name = source.name;
-    const auto channels = [&](std::array<baker::Channel, 4> four, const char* what) {
-        return uploadChannels(device, baked.reflectance, four, name + what);
+    const auto image = [&](const scene::HalfChain& chain, const char* what) {
+        return uploadChain(device, chain, source.name + what);
     };
     GpuMaterial material;
-    material.normal = channels({kNx, kNy, kSxx, kSyy}, " normal");
-    material.specular = channels({kKsR, kKsG, kKsB, kSxy}, " specular");
-    material.diffuse = channels({kKdR, kKdG, kKdB, kError}, " diffuse");
-    material.emissive = uploadChain(device, baked.emissive, name + " emissive");
-    material.opacity = uploadChain(device, baked.opacity, name + " opacity");
-    material.base = uploadChain(device, scene::baseReflectance(baked.reflectance), name + " base");
+    material.normal = image(baked.reflectance.normal, " normal");
+    material.specular = image(baked.reflectance.specular, " specular");
+    material.diffuse = image(baked.reflectance.diffuse, " diffuse");
+    material.emissive = image(baked.emissive, " emissive");
+    material.opacity = image(baked.opacity, " opacity");
+    material.base = image(baked.reflectance.base, " base");
     material.set = gpu::makeSet(device, layout_);
     uint32_t binding = 0;
-    for (const gpu::Image* image : {&material.normal, &material.specular, &material.diffuse,
-                                    &material.emissive, &material.opacity, &material.base})
+    for (const gpu::Image* map : {&material.normal, &material.specular, &material.diffuse, &material.emissive,
+                                  &material.opacity, &material.base})
         gpu::writeSampled(device, *material.set, binding++,
-                          samplerOf(image == &material.emissive ? source.emissionUv : source.uv),
-                          image->view());
+                          samplerOf(map == &material.emissive ? source.emissionUv : source.uv), map->view());
     return material;
 }
 

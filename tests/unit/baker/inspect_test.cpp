@@ -20,7 +20,7 @@ TEST(Inspect, ErrorsAreTheBakers)
     const std::vector<Level> lean = bake(maps, {.method = Method::lean, .bestKs = true}).levels;
     const TexelInspector inspector(maps);
     for (size_t level = 1; level < fit.size(); ++level) {
-        const TexelLobes lobes = inspector.look(fit, level, 0, 0);
+        const TexelLobes lobes = inspector.look(fit, level, 0, 0, fit[level].at(0, 0));
         EXPECT_NEAR(lobes.fit.error, fit[level].at(0, 0)[kError], 2e-3) << level;
         EXPECT_NEAR(lobes.lean.error, lean[level].at(0, 0)[kError], 2e-3) << level;
     }
@@ -29,7 +29,8 @@ TEST(Inspect, ErrorsAreTheBakers)
 TEST(Inspect, PicturesShowTheAverageUpToItsPeak)
 {
     const Maps maps = smallMap();
-    const TexelLobes lobes = TexelInspector(maps).look(bake(maps, {}).levels, 2, 1, 3);
+    const std::vector<Level> fit = bake(maps, {}).levels;
+    const TexelLobes lobes = TexelInspector(maps).look(fit, 2, 1, 3, fit[2].at(1, 3));
     for (const DiscPicture* picture : {&lobes.average, &lobes.fit, &lobes.lean})
         EXPECT_EQ(picture->values.size(), size_t(lobes.side) * size_t(lobes.side));
     const float most = *std::max_element(lobes.average.values.begin(), lobes.average.values.end());

@@ -1,6 +1,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include <cstring>
+#include <fcntl.h>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <set>
@@ -176,6 +177,38 @@ TEST(ContentHash, IsTheSameEverywhere)
     // Keys outlive builds: a change of the function must be deliberate.
     EXPECT_EQ(ContentHash().add(std::string("lumel")).hex(), ContentHash().add(std::string("lumel")).hex());
     EXPECT_EQ(ContentHash().hex(), "cbf29ce48422232584222325cbf29ce4");
+}
+
+TEST_F(Files, MappedBytesOutliveTheFile)
+{
+    writeFileAtomically(folder / "a", "mapped");
+    writeFileAtomically(folder / "empty", "");
+    const MappedFile file(folder / "a"), empty(folder / "empty");
+    fs::remove(folder / "a");
+    EXPECT_EQ(std::memcmp(file.bytes().data(), "mapped", file.bytes().size()), 0);
+    EXPECT_EQ(file.bytes().size(), 6u);
+    EXPECT_TRUE(empty.bytes().empty());
+    EXPECT_THROW(MappedFile{folder / "a"}, Error);
+    EXPECT_THROW(MappedFile{folder}, Error);
+}
+
+TEST_F(Files, WhatWasUsedLeastRecentlyMakesRoom)
+{
+    for (const char* name : {"a", "b", "c"}) {
+        writeFileAtomically(folder / name, "12345678");
+        const timespec old[2] = {{.tv_sec = 1000 + name[0], .tv_nsec = 0}, {.tv_sec = 1000, .tv_nsec = 0}};
+        ASSERT_EQ(utimensat(AT_FDCWD, (folder / name).c_str(), old, 0), 0);
+    }
+    deleteUnused(folder, 24);
+    EXPECT_EQ(count(), 3u);
+    const auto written = fs::last_write_time(folder / "a");
+    markUsed(folder / "a");
+    EXPECT_EQ(fs::last_write_time(folder / "a"), written);
+    deleteUnused(folder, 20);
+    EXPECT_TRUE(fs::exists(folder / "a"));
+    EXPECT_FALSE(fs::exists(folder / "b"));
+    EXPECT_TRUE(fs::exists(folder / "c"));
+    deleteUnused(folder / "missing", 0); // no error
 }
 
 } // namespace

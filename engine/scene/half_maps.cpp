@@ -1,0 +1,128 @@
+#include "half_maps.h"
+#include "material_maps.h"
+#include <bit>
+#include <tbb/parallel_for.h>
+
+namespace lumel::scene {
+namespace {
+
+using enum baker::Channel;
+using Channels = std::array<baker::Channel, 4>;
+
+constexpr float kMaxHalf = 65504.0f;
+constexpr Channels kNormal = {kNx, kNy, kSxx, kSyy}, kSpecular = {kKsR, kKsG, kKsB, kSxy},
+                   kDiffuse = {kKdR, kKdG, kKdB, kError};
+
+size_t levelsOf(glm::ivec2 size)
+{
+    return size_t(std::bit_width(uint32_t(std::max(size.x, size.y))));
+}
+
+// Four channels of every level, one level after the other.
+std::vector<uint16_t> pack(const baker::ReflectanceMips& mips, const Channels& channels)
+{
+    size_t count = 0;
+    for (const baker::Level& level : mips.levels)
+        count += 4 * size_t(level.width) * size_t(level.height);
+    std::vector<uint16_t> halves(count);
+    uint16_t* to = halves.data();
+    for (const baker::Level& level : mips.levels) {
+        const size_t width = size_t(level.width);
+        tbb::parallel_for(0, level.height, [&](int y) {
+            std::vector<float> row(4 * width);
+            const float* texel = level.at(0, y);
+            for (size_t x = 0; x < width; ++x, texel += baker::kChannels)
+                for (size_t c = 0; c < 4; ++c)
+                    row[4 * x + c] = texel[channels[c]];
+            floatsToHalf(row, to + 4 * width * size_t(y));
+        });
+        to += 4 * width * size_t(level.height);
+    }
+    return halves;
+}
+
+HalfChain chainOf(const baker::ReflectanceMips& mips, const Channels& channels)
+{
+    const auto halves = std::make_shared<const std::vector<uint16_t>>(pack(mips, channels));
+    const baker::Level& finest = mips.levels.front();
+    return {{finest.width, finest.height}, halves->data(), halves};
+}
+
+} // namespace
+
+void HalfChain::setSize(glm::ivec2 size, size_t levels)
+{
+    size_ = size;
+    offsets_ = {0};
+    for (size_t level = 0; level < levels; ++level) {
+        const glm::ivec2 extent = this->size(level);
+        offsets_.push_back(offsets_.back() + 4 * size_t(extent.x) * size_t(extent.y));
+    }
+}
+
+HalfChain::HalfChain(const std::vector<Image>& levels)
+{
+    setSize({levels.front().width, levels.front().height}, levels.size());
+    const auto halves = std::make_shared<std::vector<uint16_t>>(offsets_.back());
+    for (size_t level = 0; level < levels.size(); ++level) {
+        const Image& image = levels[level];
+        const auto channels = size_t(image.channels);
+        std::vector<float> rgba(offsets_[level + 1] - offsets_[level], 1.0f);
+        for (size_t i = 0; i < rgba.size() / 4; ++i)
+            for (size_t c = 0; c < channels; ++c)
+                rgba[4 * i + c] = std::clamp(image.pixels[i * channels + c], -kMaxHalf, kMaxHalf);
+        floatsToHalf(rgba, halves->data() + offsets_[level]);
+    }
+    texels_ = halves->data();
+    owner_ = halves;
+}
+
+HalfChain::HalfChain(glm::ivec2 size, const uint16_t* texels, std::shared_ptr<const void> owner)
+    : texels_(texels), owner_(std::move(owner))
+{
+    setSize(size, levelsOf(size));
+}
+
+size_t HalfChain::byteCount(glm::ivec2 size)
+{
+    HalfChain chain;
+    chain.setSize(size, levelsOf(size));
+    return chain.byteCount();
+}
+
+glm::vec4 HalfChain::at(size_t level, int x, int y) const
+{
+    glm::vec4 texel;
+    halfToFloats(texels(level).subspan(4 * (size_t(y) * size_t(size(level).x) + size_t(x)), 4), &texel.x);
+    return texel;
+}
+
+Reflectance::Reflectance(baker::ReflectanceMips mips)
+{
+    for (baker::Level& level : mips.levels)
+        tbb::parallel_for(0, level.height, [&](int y) {
+            float* texel = level.texels.data() + size_t(y) * size_t(level.width) * baker::kChannels;
+            for (int x = 0; x < level.width; ++x, texel += baker::kChannels)
+                baker::quantise(texel);
+        });
+    normal = chainOf(mips, kNormal);
+    specular = chainOf(mips, kSpecular);
+    diffuse = chainOf(mips, kDiffuse);
+    base = HalfChain(baseReflectance(mips));
+}
+
+std::array<float, baker::kChannels> Reflectance::at(size_t level, int x, int y) const
+{
+    std::array<float, baker::kChannels> texel{};
+    const auto take = [&](const HalfChain& chain, const Channels& channels) {
+        const glm::vec4 four = chain.at(level, x, y);
+        for (size_t c = 0; c < 4; ++c)
+            texel[channels[c]] = four[int(c)];
+    };
+    take(normal, kNormal);
+    take(specular, kSpecular);
+    take(diffuse, kDiffuse);
+    return texel;
+}
+
+} // namespace lumel::scene
