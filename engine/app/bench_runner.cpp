@@ -1,4 +1,5 @@
 #include "bench_runner.h"
+#include "bench/floors.h"
 #include "bench/quality.h"
 #include "core/error.h"
 #include "gltf/gltf.h"
@@ -57,7 +58,8 @@ struct BenchRunner::Run {
     Renderer renderer;
     RunInfo info;
     std::vector<FrameStats> frames;
-    Image before; // for flicker: the frame before
+    std::vector<bench::FloorFrame> floors; // parallel, with --floors
+    Image before;                          // for flicker: the frame before
 
     Run(const gpu::Device& device, const scene::Scene& scene, const SceneResources& resources,
         const Settings& settings)
@@ -265,9 +267,24 @@ void BenchRunner::render(View& view, Run& run, int frame)
     FrameStats stats = run.renderer.render(view.playback.camera(frame));
     if (view.reference && frame >= 0)
         measureQuality(view, run, frame, stats);
+    if (arguments_.floors && run.renderer.settings().shading != Shading::reference)
+        measureFloors(view, run, frame, stats);
     if (frame >= 0)
         run.frames.push_back(std::move(stats));
     progress_->advance(1);
+}
+
+// After every frame, counted or not, so that all frames follow the same.
+void BenchRunner::measureFloors(View& view, Run& run, int frame, const FrameStats& stats)
+{
+    const FloorStats floors = run.renderer.measureFloors(view.playback.camera(frame));
+    if (frame >= 0)
+        run.floors.push_back({.ms = stats.ms,
+                              .passMs = stats.passMs,
+                              .lit = double(stats.lumelsLit),
+                              .derived = double(stats.lumelsDerived),
+                              .pixels = double(floors.pixels),
+                              .floorNs = floors.nanoseconds});
 }
 
 void BenchRunner::measureQuality(View& view, Run& run, int frame, FrameStats& stats) const
@@ -290,9 +307,12 @@ nlohmann::json BenchRunner::document() const
 {
     nlohmann::json runs = nlohmann::json::array();
     for (const auto& view : views_)
-        for (const auto& run : view->runs)
+        for (const auto& run : view->runs) {
             runs.push_back(statsJson(run->info, run->frames, objectsOf(view->objects, run->renderer),
                                      run->renderer.lumelsByTileSize()));
+            if (!run->floors.empty())
+                runs.back()["floors"] = bench::floorsOf(run->floors);
+        }
     return {{"schema", 1}, {"version", LUMEL_VERSION}, {"runs", runs}};
 }
 

@@ -30,6 +30,7 @@ private:
     void render(View& view, Run& run, int frame);
     void place(View& view, Renderer& renderer, int frame); // lights and objects
     void measureQuality(View& view, Run& run, int frame, FrameStats& stats) const;
+    static void measureFloors(View& view, Run& run, int frame, const FrameStats& stats);
     bool needsReference(int frame) const;
 
     const gpu::Device& device_;

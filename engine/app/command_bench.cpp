@@ -1,4 +1,5 @@
 #include "bench/compare_runs.h"
+#include "bench/floors.h"
 #include "bench/plot.h"
 #include "bench_runner.h"
 #include "core/canvas.h"
@@ -52,7 +53,8 @@ bool runBench(const BenchArguments& given)
     runner.measure();
     const nlohmann::json document = runner.document();
     const std::vector<bench::Run> runs = bench::runsOf(document);
-    fmt::print("{}, {}\n{}", device.properties().deviceName.data(), device.driver(), bench::tableOf(runs));
+    fmt::print("{}, {}\n{}{}", device.properties().deviceName.data(), device.driver(), bench::tableOf(runs),
+               bench::floorTables(document));
     if (!arguments.json.empty())
         writeFileAtomically(arguments.json, document.dump(1) + "\n");
     if (!arguments.csv.empty())

@@ -87,6 +87,7 @@ struct BenchArguments : SceneArguments {
     int round = 10; // frames that a run renders before the next run's turn
     int errorEvery = 0;
     bool flicker = false;
+    bool floors = false; // the least that each pass could take, too
     std::filesystem::path json, csv, plot;
     std::vector<std::filesystem::path> compare; // two files of `json`: in place of a measurement
     std::optional<double> limit;                // of their ratios

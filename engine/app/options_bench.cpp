@@ -117,6 +117,9 @@ void addMeasurement(Command& command, BenchArguments& a)
                 numberReader<int>(1, 100000, [&a](int count) { a.errorEvery = count; }));
     command.addFlag("--flicker", "compare the change from frame to frame with that of the reference",
                     a.flicker);
+    command.addFlag("--floors",
+                    "tsl, forward: run the least that each pass could do after every frame, and compare",
+                    a.floors);
     addText(command, "--json", "FILE", "write all measurements", a.json);
     addText(command, "--csv", "FILE", "write one line per frame", a.csv);
     addText(command, "--plot", "FILE", "plot time, render scale and lumels over the frames, .png", a.plot);

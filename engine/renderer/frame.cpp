@@ -165,6 +165,7 @@ void Renderer::setSettings(const Settings& settings)
     if ((changed & invalidates::targets) && !Targets::same(before, settings)) {
         targets_ = Targets(device_, settings);
         display_.connect(device_, targets_);
+        floors_.reset();
     }
     if (changed & invalidates::sum)
         sumSamples_ = 0; // lumels see to it that what changed is lit again

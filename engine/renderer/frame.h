@@ -4,6 +4,7 @@
 #include "renderer/passes/display_pass.h"
 #include "renderer/passes/draw_pass.h"
 #include "renderer/passes/feedback_pass.h"
+#include "renderer/passes/floor_pass.h"
 #include "renderer/passes/light_pass.h"
 #include "renderer/passes/meter_pass.h"
 #include "renderer/passes/plan_pass.h"
@@ -29,6 +30,9 @@ public:
     FrameStats accumulate(const scene::Camera& camera);
     // The luminances of the view, for automatic exposure; changes no picture.
     LuminanceHistogram meter(const scene::Camera& camera);
+    // The least that the passes of the last frame, which `camera` saw, could take; changes no picture. Of
+    // texture space and of forward shading.
+    FloorStats measureFloors(const scene::Camera& camera);
     // The last frame changed nothing: a further one of the same view would be the same.
     bool settled() const { return settled_; }
     int samples() const { return sumSamples_; } // behind the reference's picture
@@ -92,7 +96,8 @@ private:
     LightPass light_;
     DrawPass draw_;
     DisplayPass display_;
-    std::unique_ptr<MeterPass> meter_; // made when first needed
+    std::unique_ptr<MeterPass> meter_;  // made when first needed
+    std::unique_ptr<FloorPass> floors_; // likewise
     gpu::Timer timer_;
     vk::raii::CommandBuffer commands_;
     FrameStats stats_;

@@ -459,6 +459,19 @@ struct PoolPush {
     float shade;    // 1, less for a texture that this frame does not draw
 };
 
+// The least that a pass could take, measured beside it (floor_*): a square texture of so many lumels a side that is lit,
+// made coarser and drawn, or a part of it.
+LUMEL_CONST uint kFloorSide = 512u;
+LUMEL_CONST uint kFloorSurfaceLayers = 3u; // of four words for each lumel: its surface and material, packed
+// What drawing looks up for a pixel.
+LUMEL_CONST uint kFloorBilinear = 0u;
+LUMEL_CONST uint kFloorBicubic = 1u;
+LUMEL_CONST uint kFloorTwoLevels = 2u; // bicubic on either, blended
+struct FloorPush {
+    uvec2 size;  // draw: lumels of the texture that the object would draw
+    uint lumels; // light, lower: how many
+};
+
 struct DisplayPush {
     float weight; // of the accumulated sum: 1 / samples
     uvec2 size;   // pixels of the source that hold the picture

@@ -85,7 +85,7 @@ TEST_F(Bench, ForwardAnisoAloneIsAnisotropic)
 
 TEST_F(Bench, ReadmeNamesEveryField)
 {
-    bench({"--size", "16x16", "--frames", "2", "--json", "b.json"});
+    bench({"--size", "16x16", "--frames", "2", "--floors", "--shading", "tsl,forward", "--json", "b.json"});
     std::set<std::string> words;
     const std::string readme = readText(LUMEL_README);
     const std::regex code("`([^`\n]+)`"), word("[a-z0-9_]+");
@@ -129,6 +129,26 @@ TEST_F(Bench, ErrorAndFlickerAreMeasuredWhereAsked)
     EXPECT_TRUE(runs[1]["frames"][0]["flicker_rmse"].is_null()) << "nothing to compare the first with";
     for (size_t i = 1; i < 5; ++i)
         EXPECT_FALSE(runs[1]["frames"][i]["flicker_rmse"].is_null()) << "also across turns: " << i;
+}
+
+TEST_F(Bench, FloorsAreOfTextureSpaceAndForwardShading)
+{
+    const Outcome outcome = bench({"--size", "48x36", "--frames", "3", "--shading", "tsl,forward,forward-2",
+                                   "--floors", "--json", "f.json"});
+    const json runs = readJson("f.json").at("runs");
+    ASSERT_EQ(runs.size(), 3u);
+    expectRunOfSchema(runs[0], true);
+    expectRunOfSchema(runs[1], true);
+    expectRunOfSchema(runs[2], false);
+    const auto ratio = [&](size_t run, const char* pass) {
+        return runs[run].at("floors").at("passes").at(pass).at("ratio");
+    };
+    for (const char* pass : {"feedback", "light", "draw"})
+        EXPECT_GT(ratio(0, pass), 0.0) << pass;
+    EXPECT_TRUE(ratio(0, "plan").is_null());
+    EXPECT_GT(ratio(1, "draw"), 0.0);
+    EXPECT_TRUE(ratio(1, "light").is_null());
+    EXPECT_NE(outcome.out.find("feedback + plan + lower"), std::string::npos) << outcome.out;
 }
 
 TEST_F(Bench, LoadChangesAtItsFrame)

@@ -76,11 +76,27 @@ json formOfRun()
             {"summary", summary}};
 }
 
+// What --floors adds.
+json formOfFloors()
+{
+    json passes;
+    for (const char* pass : kPassNames)
+        passes[pass] = {{"ms", 0}, {"unit", ""}, {"ns", nullptr}, {"floor_ns", nullptr}, {"ratio", nullptr}};
+    return {{"pixels", 0},
+            {"overhead_share", 0},
+            {"lumels_per_pixel", nullptr},
+            {"floor_ns", {{"*", 0}}},
+            {"passes", passes}};
+}
+
 } // namespace
 
-void expectRunOfSchema(const json& run)
+void expectRunOfSchema(const json& run, bool floors)
 {
-    expectLike(run, formOfRun(), "run");
+    json form = formOfRun();
+    if (floors)
+        form["floors"] = formOfFloors();
+    expectLike(run, form, "run");
     EXPECT_EQ(run.at("schema"), 1);
     EXPECT_EQ(run.at("size").size(), 2u);
     EXPECT_FALSE(run.at("frames").empty());

@@ -7,8 +7,8 @@
 namespace lumel::cli {
 
 // What one run of `shot --stats` or `bench --json` must be; each difference is a test failure that names the
-// field.
-void expectRunOfSchema(const nlohmann::json& run);
+// field. floors: measured too.
+void expectRunOfSchema(const nlohmann::json& run, bool floors = false);
 
 // All names of fields in the document, but those inside `options` and `lumels_by_tile_size`: options and
 // numbers.

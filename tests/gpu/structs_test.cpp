@@ -262,6 +262,8 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(PoolPush, shade);
     EXPECT_OFFSET(DisplayPush, weight);
     EXPECT_OFFSET(DisplayPush, size);
+    EXPECT_OFFSET(FloorPush, size);
+    EXPECT_OFFSET(FloorPush, lumels);
     EXPECT_OFFSET(MeterPush, histogram);
     EXPECT_OFFSET(MeterPush, size);
     EXPECT_OFFSET(ScalePush, from);

@@ -10,19 +10,19 @@ public:
     // Begins to make the pipelines that most frames need.
     void prepare(const Frame& frame, const LitPool& pool);
     void record(Frame& frame, const LitPool& pool);
+    static void begin(Frame& frame);                             // to draw into the cleared targets
+    static std::vector<size_t> nearestFirst(const Frame& frame); // objects in view
 
 private:
     enum class Kind { lit, forward, blended, background, view, pool };
     // Made when first needed and kept: settings change back and forth.
     const gpu::Pipeline& pipeline(const Frame& frame, const LitPool& pool, Kind kind, bool coloured = false);
-    static void begin(Frame& frame); // to draw into the cleared targets
     void drawObjects(Frame& frame, const LitPool& pool);
     void drawLit(Frame& frame, const LitPool& pool, size_t object);
     // opacity < 1: over what is there.
     void drawForward(Frame& frame, const LitPool& pool, size_t object, float opacity);
     void drawBackground(Frame& frame, const LitPool& pool);
     void drawView(Frame& frame, const LitPool& pool, size_t object);
-    static std::vector<size_t> nearestFirst(const Frame& frame);
     void drawPool(Frame& frame, const LitPool& pool); // every texture, side by side
     // By multisampling, features, filter and anisotropy.
     std::map<std::tuple<Kind, bool, uint32_t, uint32_t, uint32_t>, gpu::Pipeline> pipelines_;

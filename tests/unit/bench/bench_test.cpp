@@ -1,4 +1,5 @@
 #include "bench/compare_runs.h"
+#include "bench/floors.h"
 #include "bench/plot.h"
 #include "bench/quality.h"
 #include "core/error.h"
@@ -132,6 +133,47 @@ TEST(CsvOf, HasALinePerFrameAndAsManyFieldsInEach)
     ASSERT_EQ(fields.size(), 6u);
     for (size_t n : fields)
         EXPECT_EQ(n, fields[0]) << "the scene's comma is quoted";
+}
+
+TEST(Floors, RatiosAreOfMediansForEachUnit)
+{
+    std::vector<FloorFrame> frames;
+    for (const double lit : {0.0, 100.0, 100.0, 200.0}) // the first lit nothing
+        frames.push_back(
+            {.ms = 10.0,
+             .passMs = {{"light", 1e-6 * 300.0 * lit}, {"draw", 4e-3}, {"plan", 1.0}, {"lower", 0.5}},
+             .lit = lit,
+             .derived = 0.0,
+             .pixels = 50.0,
+             .floorNs = {{"bicubic_two_levels", 20.0}}});
+    for (size_t i = 1; i < frames.size(); ++i)
+        frames[i].floorNs["light"] = 30.0;
+    const json floors = floorsOf(frames);
+    const json& light = floors.at("passes").at("light");
+    EXPECT_NEAR(light.at("ns"), 300.0, 1e-9);
+    EXPECT_NEAR(light.at("ratio"), 10.0, 1e-9);
+    EXPECT_NEAR(floors.at("passes").at("draw").at("ratio"), 4.0, 1e-9);
+    EXPECT_TRUE(floors.at("passes").at("lower").at("ns").is_null()) << "nothing derived";
+    EXPECT_TRUE(floors.at("passes").at("plan").at("ratio").is_null()) << "without a floor";
+    EXPECT_NEAR(floors.at("overhead_share"), 0.15, 1e-9);
+
+    json run = runJson("tsl", 5, 2);
+    EXPECT_EQ(floorTables(document({run})), "");
+    run["floors"] = floors;
+    const std::string table = floorTables(document({run}));
+    EXPECT_NE(table.find("tea, pot tsl 640x480"), std::string::npos) << table;
+    EXPECT_NE(table.find("10.00"), std::string::npos) << table;
+}
+
+TEST(Floors, ForwardShadingHasItsOwn)
+{
+    const json floors = floorsOf({{.ms = 10.0,
+                                   .passMs = {{"draw", 9e-3}},
+                                   .lit = 0.0,
+                                   .derived = 0.0,
+                                   .pixels = 30.0,
+                                   .floorNs = {{"forward", 100.0}}}});
+    EXPECT_NEAR(floors.at("passes").at("draw").at("ratio"), 3.0, 1e-9);
 }
 
 TEST(Plot, ShowsEachRunAndTheBudget)
