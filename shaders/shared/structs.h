@@ -89,6 +89,7 @@ struct EnvironmentView {
 LUMEL_CONST uint kFeatureEnvironment = 1u;
 LUMEL_CONST uint kFeatureShadows = 2u;
 LUMEL_CONST uint kFeatureColoured = 4u; // vertices have colours
+LUMEL_CONST uint kFeatureWaiting = 8u;  // draw.frag: some lumels may wait for their light, or fade in
 
 // Bits of JobTile::lights.
 LUMEL_CONST uint kListedLights = 256u;
@@ -360,7 +361,6 @@ struct LitPush {
     float anisotropy;
     uint layer;
     uint mips;
-    uint waiting;      // 1: some lumels may wait for their light, and have no weight
     uint tileOffsets[kMaxLevels];
 };
 

@@ -12,11 +12,19 @@ static uint32_t forwardAnisotropy(const Settings& settings)
     return settings.shading == Shading::reference ? 1u : uint32_t(settings.forwardAnisotropy);
 }
 
+// Without a limit, every tile that is needed has light.
+static uint32_t litFeatures(const Frame& frame)
+{
+    return frame.lumelBudget < ~0u ? shared::kFeatureWaiting : 0u;
+}
+
 const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind, bool coloured)
 {
     const bool multisampling = bool(frame.targets.multisampled);
     const bool shades = kind == Kind::forward || kind == Kind::blended;
-    const uint32_t features = shades ? frame.scene.features(coloured) : 0u;
+    const uint32_t features = shades              ? frame.scene.features(coloured)
+                              : kind == Kind::lit ? litFeatures(frame)
+                                                  : 0u;
     const uint32_t filter = kind == Kind::lit ? uint32_t(frame.settings.filter) : 0u;
     const uint32_t anisotropy = shades ? forwardAnisotropy(frame.settings) : 1u;
     gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, features, filter, anisotropy}];
@@ -83,7 +91,6 @@ void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
         .anisotropy = frame.detail.anisotropy,
         .layer = resident.texture.layer,
         .mips = block.layout.mips,
-        .waiting = frame.lumelBudget < ~0u ? 1u : 0u,
         .tileOffsets = {}};
     std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), push.tileOffsets);
     pushConstants(commands, lit, push);
