@@ -90,6 +90,10 @@ LUMEL_CONST uint kFeatureEnvironment = 1u;
 LUMEL_CONST uint kFeatureShadows = 2u;
 LUMEL_CONST uint kFeatureColoured = 4u; // vertices have colours
 LUMEL_CONST uint kFeatureWaiting = 8u;  // draw.frag: some lumels may wait for their light, or fade in
+// A material's map is one texel: it is not filtered.
+LUMEL_CONST uint kFeatureConstantEmission = 16u;
+LUMEL_CONST uint kFeatureConstantOpacity = 32u;
+LUMEL_CONST uint kFeatureConstantBase = 64u;
 
 // Bits of JobTile::lights.
 LUMEL_CONST uint kListedLights = 256u;
@@ -349,6 +353,8 @@ struct DrawPush {
 struct ForwardPush {
     DrawPush draw; // for the vertex shader
     uint lights[kListedLights / 32u]; // that may reach the object, as in JobTile
+    uint flags;                       // of the object, as in Object
+    float alphaCutoff, dielectric;
 };
 
 // What drawing a lit texture needs, all of it: loads that are the same for all pixels are cheap from here only.

@@ -18,13 +18,10 @@ static uint32_t litFeatures(const Frame& frame)
     return frame.lumelBudget < ~0u ? shared::kFeatureWaiting : 0u;
 }
 
-const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind, bool coloured)
+const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind, uint32_t features)
 {
     const bool multisampling = bool(frame.targets.multisampled);
     const bool shades = kind == Kind::forward || kind == Kind::blended;
-    const uint32_t features = shades              ? frame.scene.features(coloured)
-                              : kind == Kind::lit ? litFeatures(frame)
-                                                  : 0u;
     const uint32_t filter = kind == Kind::lit ? uint32_t(frame.settings.filter) : 0u;
     const uint32_t anisotropy = shades ? forwardAnisotropy(frame.settings) : 1u;
     gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, features, filter, anisotropy}];
@@ -77,7 +74,7 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
 void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
 {
     const vk::CommandBuffer commands = frame.commands;
-    const gpu::Pipeline& lit = pipeline(frame, pool, Kind::lit);
+    const gpu::Pipeline& lit = pipeline(frame, pool, Kind::lit, litFeatures(frame));
     bindSets(frame, vk::PipelineBindPoint::eGraphics, lit,
              {*pool.block(frame.residency.objects()[object].texture).set});
     const tsl::ObjectResidency& resident = frame.residency.objects()[object];
@@ -102,13 +99,17 @@ void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, flo
     const vk::CommandBuffer commands = frame.commands;
     const GpuObject& o = frame.scene.objects()[object];
     const gpu::Pipeline& forward =
-        pipeline(frame, pool, o.blend || opacity < 1.0f ? Kind::blended : Kind::forward, o.coloured);
+        pipeline(frame, pool, o.blend || opacity < 1.0f ? Kind::blended : Kind::forward,
+                 frame.scene.features(o.coloured) | constantMaps(*o.material));
     bindSets(frame, vk::PipelineBindPoint::eGraphics, forward, {*o.material->set});
     shared::ForwardPush push{.draw = {.object = uint32_t(object),
                                       .opacity = opacity,
                                       .level = frame.settings.shading == Shading::reference ? 0.0f : -1.0f,
                                       .frame = frame.index},
-                             .lights = {}};
+                             .lights = {},
+                             .flags = o.data.flags,
+                             .alphaCutoff = o.data.alphaCutoff,
+                             .dielectric = o.data.dielectric};
     std::ranges::copy(lightsReaching(o, frame.scene.lights().table()), push.lights);
     pushConstants(commands, forward, push);
     drawTriangles(frame, object);
