@@ -110,5 +110,6 @@ void main()
         if (++level >= levels && (sum.a > kLeastLight || mip > last || level > int(kMaxLevels)))
             break;
     }
-    colour = vec4(max(sum.rgb / max(sum.a, 0.1), vec3(0.0)), 1.0); // Catmull-Rom's lobes may fall below 0
+    // Catmull-Rom's lobes may fall below 0.
+    colour = vec4(max(sum.rgb / max(sum.a, 0.1), vec3(0.0)), push.draw.opacity);
 }

@@ -89,5 +89,6 @@ void main()
         material = tinted(push.flags, push.dielectric, material, max(tint.rgb, vec3(0.0)));
     ShadingPoint point = shadingPoint(push.flags, material, positionInWorld, normalInWorld, tangentInWorld);
     vec3 radiance = point.radiance + reflectedFromListed(point);
-    colour = vec4(storable(radiance), opacity * push.draw.opacity);
+    // What blends has an opacity, what does not may have a number.
+    colour = vec4(storable(radiance), push.draw.opacity > 1.0 ? push.draw.opacity : opacity * push.draw.opacity);
 }

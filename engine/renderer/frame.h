@@ -3,6 +3,7 @@
 #include "renderer/passes/deform_pass.h"
 #include "renderer/passes/display_pass.h"
 #include "renderer/passes/draw_pass.h"
+#include "renderer/passes/edge_pass.h"
 #include "renderer/passes/feedback_pass.h"
 #include "renderer/passes/light_pass.h"
 #include "renderer/passes/meter_pass.h"
@@ -91,6 +92,7 @@ private:
     PlanPass plan_;
     LightPass light_;
     DrawPass draw_;
+    EdgePass edges_;
     DisplayPass display_;
     std::unique_ptr<MeterPass> meter_; // made when first needed
     gpu::Timer timer_;

@@ -28,6 +28,8 @@ layout(buffer_reference) buffer Matrices;
 layout(buffer_reference) buffer Floats;
 layout(buffer_reference) buffer Colours;
 layout(buffer_reference) buffer Histogram;
+layout(buffer_reference) buffer EdgeLists;
+layout(buffer_reference) buffer EdgePixels;
 #endif
 
 struct Vertex {
@@ -343,9 +345,16 @@ struct LightPush {
     uint waiting; // 1: some tiles may wait for their light
 };
 
+// Opaque objects write it into alpha where edges are filtered: from 2, whole, exact in half floats. A pixel that
+// nothing covers holds 0, one of the background 1.
+LUMEL_FN float objectNumber(uint object)
+{
+    return 2.0f + float(object % 2046u);
+}
+
 struct DrawPush {
     uint object;
-    float opacity; // forward: fades it in over the lit texture
+    float opacity; // forward: fades it in over the lit texture; or the object's number
     float level;   // forward: >= 0 fixes the material level (the reference reads level 0), < 0 derives it
     uint frame;
 };
@@ -402,6 +411,22 @@ struct PoolPush {
     vec4 rectangle; // left, top, width, height in clip space
     float layer;
     float shade;    // 1, less for a texture that this frame does not draw
+};
+
+// Pixels at edges between objects, listed for three dispatches.
+struct EdgeList {
+    uint groups[3]; // of a dispatch over the list, 64 each
+    uint count;     // pixels appended, of which the list holds at most EdgePush::capacity
+};
+struct EdgePixel {
+    uint place;     // y << 16 | x
+    uvec2 radiance; // to come, in half floats
+};
+struct EdgePush {
+    LUMEL_ADDRESS(EdgeLists) list;
+    LUMEL_ADDRESS(EdgePixels) pixels;
+    uvec2 size; // pixels of the source that hold the picture
+    uint capacity;
 };
 
 struct DisplayPush {

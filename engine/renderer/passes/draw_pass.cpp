@@ -1,4 +1,5 @@
 #include "draw_pass.h"
+#include "edge_pass.h"
 #include "renderer/resources/culling.h"
 #include "vertex_input.h"
 #include <algorithm>
@@ -71,6 +72,12 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
     return pipeline = gpu::makeGraphicsPipeline(frame.device, info);
 }
 
+// Of an opaque object's pixels.
+static float alphaOf(const Frame& frame, size_t object)
+{
+    return filtersEdges(frame.settings) ? shared::objectNumber(uint32_t(object)) : 1.0f;
+}
+
 void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
 {
     const vk::CommandBuffer commands = frame.commands;
@@ -79,16 +86,18 @@ void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
              {*pool.block(frame.residency.objects()[object].texture).set});
     const tsl::ObjectResidency& resident = frame.residency.objects()[object];
     const LitBlock& block = pool.block(resident.texture);
-    shared::LitPush push{
-        .draw = {.object = uint32_t(object), .opacity = 1.0f, .level = -1.0f, .frame = frame.index},
-        .tiles = block.states.address() + block.stateOffset(resident.texture.layer),
-        .size = block.layout.size,
-        .level = frame.detail.levelOffset,
-        .finest = resident.finest,
-        .anisotropy = frame.detail.anisotropy,
-        .layer = resident.texture.layer,
-        .mips = block.layout.mips,
-        .tileOffsets = {}};
+    shared::LitPush push{.draw = {.object = uint32_t(object),
+                                  .opacity = alphaOf(frame, object),
+                                  .level = -1.0f,
+                                  .frame = frame.index},
+                         .tiles = block.states.address() + block.stateOffset(resident.texture.layer),
+                         .size = block.layout.size,
+                         .level = frame.detail.levelOffset,
+                         .finest = resident.finest,
+                         .anisotropy = frame.detail.anisotropy,
+                         .layer = resident.texture.layer,
+                         .mips = block.layout.mips,
+                         .tileOffsets = {}};
     std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), push.tileOffsets);
     pushConstants(commands, lit, push);
     drawTriangles(frame, object);
@@ -98,12 +107,12 @@ void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, flo
 {
     const vk::CommandBuffer commands = frame.commands;
     const GpuObject& o = frame.scene.objects()[object];
-    const gpu::Pipeline& forward =
-        pipeline(frame, pool, o.blend || opacity < 1.0f ? Kind::blended : Kind::forward,
-                 frame.scene.features(o.coloured) | constantMaps(*o.material));
+    const bool blends = o.blend || opacity < 1.0f;
+    const gpu::Pipeline& forward = pipeline(frame, pool, blends ? Kind::blended : Kind::forward,
+                                            frame.scene.features(o.coloured) | constantMaps(*o.material));
     bindSets(frame, vk::PipelineBindPoint::eGraphics, forward, {*o.material->set});
     shared::ForwardPush push{.draw = {.object = uint32_t(object),
-                                      .opacity = opacity,
+                                      .opacity = blends ? opacity : alphaOf(frame, object),
                                       .level = frame.settings.shading == Shading::reference ? 0.0f : -1.0f,
                                       .frame = frame.index},
                              .lights = {},
