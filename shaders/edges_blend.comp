@@ -7,9 +7,10 @@
 
 const int kReach = 6; // pixels to either side that a step is looked for; farther ones gained nothing
 // Tuned on the stress scene and the record against 64 samples: steps are only guesses at the line.
-const float kConfidence = 0.75;
+const float kConfidence = 0.8;
 
-// From a pixel along an edge, to where it ends: distance in pixels, and whether it turns into the pixel's own row.
+// From a pixel along an edge, to where it ends: distance in pixels, and whether it goes on one row inwards. Where it
+// turns for more than a row there is a corner, which stays.
 struct End {
     float distance;
     bool inwards;
@@ -20,7 +21,7 @@ End endOf(ivec2 pixel, ivec2 outwards, ivec2 along, float own)
         ivec2 next = pixel + i * along;
         bool inwards = numberAt(next) != own;
         if (inwards || numberAt(next + outwards) == own)
-            return End(float(i - 1), inwards);
+            return End(float(i - 1), inwards && numberAt(next - outwards) == own);
         if (i == kReach)
             return End(float(i), false);
     }
