@@ -5,10 +5,13 @@
 #include "lib/tiles.glsl"
 
 layout(constant_id = 1) const uint kFilter = kFilterCatmullRom;
+const bool kWaiting = (kFeatures & kFeatureWaiting) != 0u;
 layout(push_constant, scalar) uniform Constants { LitPush push; };
 layout(set = 1, binding = 1) uniform sampler2DArray lit;
 layout(location = 3) in vec2 uv;
 layout(location = 0) out vec4 colour;
+
+const float kLeastLight = 0.25; // of the weights of all taps: below, a coarser MIP is added
 
 vec2 sizeOf(uint mip)
 {
@@ -26,6 +29,12 @@ float shownShare(uint mip)
            : shown == 0u         ? 0.0
                                  : min(float(push.draw.frame - shown + 1u) / float(kFadeFrames), 1.0);
 }
+
+// The two MIPs that are blended, and the coarser one's weight. Both may be the same.
+struct Blend {
+    uint fine, coarse;
+    float coarser;
+};
 
 // The finest MIP from `mip` on that has light here, and its share. On software Vulkan, lanes outside the triangle
 // run along with zeros for everything loaded: every loop here must end for them too.
@@ -45,44 +54,62 @@ Shown finestShown(uint mip)
     return Shown(mip, mip == last ? 1.0 : share);
 }
 
+// The coarser MIP takes over with distance, and while the finer one's tiles fade in.
+Blend shownOf(Blend blend)
+{
+    Shown fine = finestShown(blend.fine);
+    float coarser = max(fine.mip == blend.fine ? blend.coarser : 0.0, 1.0 - fine.share);
+    uint coarse = fine.mip;
+    if (coarser > 0.0)
+        coarse = finestShown(min(fine.mip + 1u, push.mips - 1u)).mip;
+    return Blend(fine.mip, coarse, coarser);
+}
+
 LitMip litMip(uint mip)
 {
     return LitMip(sizeOf(mip), vec2(mipOrigin(push.size, mip)), 1.0 / vec2(textureSize(lit, 0).xy), float(push.layer));
 }
 
+// rgb: weighted sum of the light around uv, a: sum of the weights where there is any. Along a long footprint the taps
+// overlap, and are bilinear: together they are smooth.
+vec4 filtered(LitMip mip, Footprint footprint)
+{
+    bool along = footprint.taps > 1;
+    int lookups = along ? footprint.taps : kFilterLookups[kFilter];
+    float share = 1.0 / float(footprint.taps);
+    vec2 p = uv * mip.size, axis = footprint.axis * mip.size;
+    Kernel kernel = kernelOf(kFilter, p);
+    vec4 sum = vec4(0.0);
+    for (int i = 0;;) {
+        Lookup lookup = lookupOf(kFilter, kernel, i);
+        vec2 straight = p + axis * ((2.0 * float(i) + 1.0) * share - 1.0);
+        sum += (along ? share : lookup.weight) * tap(lit, mip, along ? straight : lookup.place);
+        if (++i >= lookups)
+            break;
+    }
+    return sum;
+}
+
 void main()
 {
     Footprint footprint = footprintOf(dFdx(uv), dFdy(uv), vec2(push.size), push.anisotropy);
-    float position = clamp(footprint.level + push.level, push.finest, float(push.mips - 1u));
-    uint wanted = uint(position);
-    Shown fine = finestShown(wanted);
-    // The coarser MIP takes over with distance, and while the finer one's tiles fade in.
-    float coarser = fine.mip == wanted ? coarserWeight(position) : 0.0;
-    coarser = max(coarser, 1.0 - fine.share);
-    Shown coarse = fine;
-    if (coarser > 0.0)
-        coarse = finestShown(min(fine.mip + 1u, push.mips - 1u));
-
-    // One loop over the lookups of all taps of both MIPs: pixels that need few wait for none but their
-    // neighbours. Along a long footprint the taps overlap, and are bilinear: together they are smooth.
-    LitMip fineMip = litMip(fine.mip), coarseMip = litMip(coarse.mip);
-    bool along = footprint.taps > 1;
-    int lookups = along ? footprint.taps : kFilterLookups[kFilter];
-    int fineLookups = coarser < 1.0 ? lookups : 0;
-    int all = fineLookups + (coarser > 0.0 ? lookups : 0);
+    uint last = push.mips - 1u;
+    float position = clamp(footprint.level + push.level, push.finest, float(last));
+    Blend blend = Blend(uint(position), min(uint(position) + 1u, last), coarserWeight(position));
+    if (kWaiting)
+        blend = shownOf(blend);
+    // Loops end with their tests: software Vulkan would run a body once more to find the test on its top.
+    int levels = blend.coarser > 0.0 ? 2 : 1;
     vec4 sum = vec4(0.0);
-    for (int i = 0; i < min(all, 2 * kMostTaps); ++i) {
-        bool isFine = i < fineLookups;
-        LitMip mip = LitMip(isFine ? fineMip.size : coarseMip.size, isFine ? fineMip.origin : coarseMip.origin,
-                            fineMip.inverseBlock, fineMip.layer);
-        int lookup = isFine ? i : i - fineLookups;
-        float t = (2.0 * float(lookup) + 1.0) / float(footprint.taps) - 1.0;
-        vec2 p = (along ? uv + t * footprint.axis : uv) * mip.size;
-        Lookup cubic = lookupOf(kFilter, p, lookup);
-        vec2 place = along ? p : cubic.place;
-        float weight = (isFine ? 1.0 - coarser : coarser) * (along ? 1.0 / float(footprint.taps) : cubic.weight);
-        vec4 light = tap(lit, mip, place);
-        sum += weight * light;
+    uint mip = blend.fine;
+    for (int level = 0;;) {
+        float weight = level == 0 ? 1.0 - blend.coarser : level < levels ? blend.coarser : 1.0;
+        sum += weight * filtered(litMip(mip), footprint);
+        mip = level == 0 ? blend.coarse : mip + 1u;
+        // Lumels without light weigh nothing. Where no tap met any, coarser MIPs have some; the last one always has.
+        if (++level >= levels && (sum.a > kLeastLight || mip > last || level > int(kMaxLevels)))
+            break;
     }
-    colour = vec4(max(sum.rgb / max(sum.a, 0.1), vec3(0.0)), 1.0); // Catmull-Rom's lobes may fall below 0
+    // Catmull-Rom's lobes may fall below 0.
+    colour = vec4(max(sum.rgb / max(sum.a, 0.1), vec3(0.0)), push.draw.opacity);
 }

@@ -12,11 +12,13 @@ layout(location = 0) out vec4 colour;
 // As the draw pass filters by default.
 vec3 bicubic(vec2 size, float layer)
 {
-    vec2 p = uv * size;
+    Kernel kernel = catmullRomKernel(uv * size);
     vec4 sum = vec4(0.0);
-    for (int i = 0; i < kFilterLookups[kFilterCatmullRom]; ++i) {
-        Lookup lookup = catmullRom(p, i);
+    for (int i = 0;;) {
+        Lookup lookup = catmullRom(kernel, i);
         sum += lookup.weight * vec4(textureLod(lit, vec3(lookup.place / float(kFloorSide), layer), 0.0).rgb, 1.0);
+        if (++i >= kFilterLookups[kFilterCatmullRom])
+            break;
     }
     return sum.rgb / sum.a;
 }

@@ -32,8 +32,8 @@ MaterialTexel materialHere(vec4 dx, vec4 dy)
     if (push.draw.level >= 0.0)
         return sampleMaterial(uv, vec2(push.draw.level));
     if (kAnisotropy == 1u)
-        return sampleMaterial(uv,
-                              vec2(levelOf(mapNormal, dx.xy, dy.xy, 1.0), levelOf(mapEmissive, dx.zw, dy.zw, 1.0)));
+        return sampleMaterial(uv, vec2(levelOf(mapNormal, dx.xy, dy.xy, 1.0),
+                                       kConstantEmission ? 0.0 : levelOf(mapEmissive, dx.zw, dy.zw, 1.0)));
     Footprint reflectance = footprintIn(mapNormal, dx.xy, dy.xy), emissive = footprintIn(mapEmissive, dx.zw, dy.zw);
     int taps = clamp(max(reflectance.taps, emissive.taps), 1, kMostTaps);
     MaterialTexel sum = noMaterial();
@@ -52,6 +52,8 @@ MaterialTexel materialHere(vec4 dx, vec4 dy)
 
 float opacityHere(vec4 dx, vec4 dy)
 {
+    if ((kFeatures & kFeatureConstantOpacity) != 0u)
+        return texelFetch(mapOpacity, ivec2(0), 0).x;
     if (push.draw.level >= 0.0 || kAnisotropy == 1u) {
         float level = push.draw.level >= 0.0 ? push.draw.level : levelOf(mapOpacity, dx.xy, dy.xy, 1.0);
         return textureLod(mapOpacity, uv.xy, max(level, 0.0)).x;
@@ -81,18 +83,18 @@ float listedVisibility(uint shadow, ShadingPoint point, vec3 toLight)
 
 void main()
 {
-    ObjectAt object = objectAt(push.draw.object);
     vec4 dx = dFdx(uv), dy = dFdy(uv);
     float opacity = opacityHere(dx, dy);
     if (kColoured)
         opacity *= tint.a;
-    if ((object.at.flags & kObjectMask) != 0u && opacity < object.at.alphaCutoff)
+    if ((push.flags & kObjectMask) != 0u && opacity < push.alphaCutoff)
         discard;
     MaterialTexel material = materialHere(dx, dy);
     if (kColoured)
-        material = tinted(object.at.flags, object.at.dielectric, material, max(tint.rgb, vec3(0.0)));
+        material = tinted(push.flags, push.dielectric, material, max(tint.rgb, vec3(0.0)));
     ShadingPoint point = shadingPoint(
-        object.at.flags, surfacePoint(object.at.flags, material, positionInWorld, normalInWorld, tangentInWorld));
+        push.flags, surfacePoint(push.flags, material, positionInWorld, normalInWorld, tangentInWorld));
     vec3 radiance = point.radiance + reflectedFromListed(point);
-    colour = vec4(storable(radiance), opacity * push.draw.opacity);
+    // What blends has an opacity, what does not may have a number.
+    colour = vec4(storable(radiance), push.draw.opacity > 1.0 ? push.draw.opacity : opacity * push.draw.opacity);
 }

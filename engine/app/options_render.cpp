@@ -48,10 +48,7 @@ void addSettings(Command& command, SceneArguments& a)
                 return addExposure(command, setting, a);
         addSetting(command, setting, a.settings);
     });
-    const Option msaa = command.get("--msaa");
-    command.afterParsing([&a, msaa] {
-        if (a.settings.budgetMs > 0.0 && !msaa.given()) // four samples cost as much as twice the render scale
-            a.settings.msaa = 1;
+    command.afterParsing([&a] {
         if (a.environment == "none" && !a.settings.ambient) // none is none
             a.settings.ambient = 0.0f;
     });

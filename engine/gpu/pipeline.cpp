@@ -192,7 +192,8 @@ static vk::PipelineColorBlendAttachmentState blendOf(const GraphicsInfo& info)
             .srcColorBlendFactor = Factor::eSrcAlpha,
             .dstColorBlendFactor = Factor::eOneMinusSrcAlpha,
             .srcAlphaBlendFactor = Factor::eOne,
-            .dstAlphaBlendFactor = Factor::eOneMinusSrcAlpha,
+            .dstAlphaBlendFactor = Factor::eOne,
+            .alphaBlendOp = vk::BlendOp::eMax, // the objects' numbers stay
             .colorWriteMask = Component::eR | Component::eG | Component::eB | Component::eA};
 }
 

@@ -23,6 +23,8 @@ void Renderer::recordFrame(Frame& frame)
         recordReference(frame); // ground truth: many jittered forward frames at level 0
     else
         draw_.record(frame, pool_); // look the light up, per pixel
+    if (filtersEdges(settings_))
+        edges_.record(frame); // smooth the staircases between objects
     display_.record(frame, settings_.shading == Shading::reference ? sumSamples_ : 0); // tone-map, once
 }
 
@@ -53,8 +55,8 @@ Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene, const S
                    const Settings& settings)
     : device_(device), settings_(settings), targets_(device, settings), scene_(device, scene, resources),
       shadow_(device, scene_), pool_(device, settings.poolBytes), feedback_(device, settings.size, scene_),
-      plan_(device, scene_, feedback_), light_(device, scene_, pool_), display_(device, scene_, targets_),
-      timer_(device), commands_(device.makeCommands())
+      plan_(device, scene_, feedback_), light_(device, scene_, pool_), edges_(device, scene_),
+      display_(device, scene_, targets_), timer_(device), commands_(device.makeCommands())
 {
     if (settings.budgetMs > 0.0)
         budget_.emplace(settings.budgetMs);

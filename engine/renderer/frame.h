@@ -3,6 +3,7 @@
 #include "renderer/passes/deform_pass.h"
 #include "renderer/passes/display_pass.h"
 #include "renderer/passes/draw_pass.h"
+#include "renderer/passes/edge_pass.h"
 #include "renderer/passes/feedback_pass.h"
 #include "renderer/passes/floor_pass.h"
 #include "renderer/passes/light_pass.h"
@@ -95,6 +96,7 @@ private:
     PlanPass plan_;
     LightPass light_;
     DrawPass draw_;
+    EdgePass edges_;
     DisplayPass display_;
     std::unique_ptr<MeterPass> meter_;  // made when first needed
     std::unique_ptr<FloorPass> floors_; // likewise

@@ -12,6 +12,7 @@ LuminanceHistogram Renderer::meter(const scene::Camera& camera)
     settings.shading = Shading::forward;
     settings.view = View::none;
     settings.msaa = 1;
+    settings.edgeFilter = false; // alpha is to be the share that is covered
     settings.budgetMs = 0.0;
     const glm::vec2 size(settings_.size);
     settings.size =

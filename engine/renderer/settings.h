@@ -37,7 +37,8 @@ struct Settings {
     DrawFilter filter = DrawFilter::catmullRom;
     float anisotropy = 8.0f;   // most taps along a footprint's major axis when drawing lit textures
     int forwardAnisotropy = 1; // the same of forward shading's material lookups; 1 = isotropic
-    int msaa = 4;              // coverage samples of tsl and forward: 1 or 4
+    int msaa = 1;              // coverage samples of tsl and forward: 1 or 4
+    bool edgeFilter = true;    // edges between objects are smoothed after drawing, where msaa is 1
     int samples = 64;          // reference: jittered frames per picture
     bool shadows = true;
     uint32_t shadowSize = 2048; // texels along a side of each map

@@ -26,9 +26,15 @@ struct Lookup {
 };
 const int kFilterLookups[4] = int[](1, 4, 5, 16); // by kFilter...
 
+// What the lookups around a point have in common: where they lie along each axis, and how much they weigh.
+struct Kernel {
+    vec2 low, middle, high; // lumels
+    vec2 lowWeight, middleWeight, highWeight;
+};
+
 // Uniform cubic B-spline with 4 lookups: Sigg and Hadwiger 2005, "Fast Third-Order Texture Filtering" (GPU Gems 2,
 // chapter 20). Smooth (C2), slightly blurs; never overshoots.
-Lookup bspline(vec2 p, int i)
+Kernel bsplineKernel(vec2 p)
 {
     vec2 f = fract(p - 0.5);
     vec2 f2 = f * f, f3 = f2 * f;
@@ -37,9 +43,14 @@ Lookup bspline(vec2 p, int i)
     vec2 w3 = f3 / 6.0;
     vec2 g0 = w0 + w1, g1 = 1.0 - g0;
     vec2 low = floor(p - 0.5) - 0.5 + w1 / g0, high = floor(p - 0.5) + 1.5 + w3 / g1;
+    return Kernel(low, p, high, g0, vec2(0.0), g1);
+}
+
+Lookup bspline(Kernel kernel, int i)
+{
     bvec2 isHigh = bvec2((i & 1) != 0, (i & 2) != 0);
-    vec2 w = mix(g0, g1, isHigh);
-    return Lookup(mix(low, high, isHigh), w.x * w.y);
+    vec2 w = mix(kernel.lowWeight, kernel.highWeight, isHigh);
+    return Lookup(mix(kernel.low, kernel.high, isHigh), w.x * w.y);
 }
 
 // Weights of the four lumels around f in [0, 1): Catmull and Rom 1974, "A Class of Local Interpolating Splines".
@@ -50,21 +61,23 @@ mat4x2 catmullRomWeights(vec2 f)
 }
 
 // Catmull-Rom with 5 lookups: the 9 of its separable form less the four corners, whose weights are small,
-// renormalised (Jimenez 2016, "Filmic SMAA"). Interpolates: keeps contrast.
-Lookup catmullRom(vec2 p, int i)
+// renormalised (Jimenez 2016, "Filmic SMAA"). Interpolates: keeps contrast. Its two lumels in the middle are one.
+Kernel catmullRomKernel(vec2 p)
 {
     vec2 centre = floor(p - 0.5) + 0.5;
     mat4x2 w = catmullRomWeights(p - centre);
     vec2 w12 = w[1] + w[2];
-    vec2 middle = centre + w[2] / w12;
-    // The middle, then left, right, above and below it.
-    bool sideways = i == 1 || i == 2;
-    vec2 far = (i & 1) != 0 ? centre - 1.0 : centre + 2.0;
-    vec2 farWeight = (i & 1) != 0 ? w[0] : w[3];
-    if (i == 0)
-        return Lookup(middle, w12.x * w12.y);
-    return sideways ? Lookup(vec2(far.x, middle.y), farWeight.x * w12.y)
-                    : Lookup(vec2(middle.x, far.y), w12.x * farWeight.y);
+    return Kernel(centre - 1.0, centre + w[2] / w12, centre + 2.0, w[0], w12, w[3]);
+}
+
+// The middle, then left, right, above and below it.
+Lookup catmullRom(Kernel kernel, int i)
+{
+    bool low = (i & 1) != 0;
+    vec2 far = low ? kernel.low : kernel.high, farWeight = low ? kernel.lowWeight : kernel.highWeight;
+    bvec2 isFar = bvec2(i == 1 || i == 2, i > 2);
+    vec2 w = mix(kernel.middleWeight, farWeight, isFar);
+    return Lookup(mix(kernel.middle, far, isFar), w.x * w.y);
 }
 
 // The same spline with its 16 lumels: what the 5 lookups are measured against.
@@ -76,16 +89,25 @@ Lookup catmullRomExact(vec2 p, int i)
     return Lookup(centre + vec2(x - 1, y - 1), w[x].x * w[y].y);
 }
 
-// Lookup i < kFilterLookups[kind] around p in lumels. kind is a specialisation constant: software Vulkan runs both
-// sides of any other branch.
-Lookup lookupOf(uint kind, vec2 p, int i)
+// The kernel around p in lumels, and its lookup i < kFilterLookups[kind]. kind is a specialisation constant: software
+// Vulkan runs both sides of any other branch.
+Kernel kernelOf(uint kind, vec2 p)
 {
     if (kind == kFilterBspline)
-        return bspline(p, i);
+        return bsplineKernel(p);
     if (kind == kFilterCatmullRom)
-        return catmullRom(p, i);
+        return catmullRomKernel(p);
+    return Kernel(p, p, p, vec2(1.0), vec2(1.0), vec2(1.0));
+}
+
+Lookup lookupOf(uint kind, Kernel kernel, int i)
+{
+    if (kind == kFilterBspline)
+        return bspline(kernel, i);
+    if (kind == kFilterCatmullRom)
+        return catmullRom(kernel, i);
     if (kind == kFilterCatmullRomExact)
-        return catmullRomExact(p, i);
-    return Lookup(p, 1.0);
+        return catmullRomExact(kernel.middle, i);
+    return Lookup(kernel.middle, 1.0);
 }
 #endif

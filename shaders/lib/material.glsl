@@ -11,6 +11,9 @@ layout(set = 1, binding = 3) uniform sampler2D mapEmissive;     // emitted radia
 layout(set = 1, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
 layout(set = 1, binding = 5) uniform sampler2D mapBase;     // mean F0, mean variance of the level-0 lobes
 
+const bool kConstantEmission = (kFeatures & kFeatureConstantEmission) != 0u;
+const bool kConstantBase = (kFeatures & kFeatureConstantBase) != 0u;
+
 struct MaterialTexel {
     vec2 normal;
     vec3 covariance;
@@ -33,9 +36,12 @@ MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 emis
 MaterialTexel sampleMaterial(vec4 uv, vec2 levels)
 {
     levels = max(levels, vec2(0.0));
-    return unpackMaterial(textureLod(mapNormal, uv.xy, levels.x), textureLod(mapSpecular, uv.xy, levels.x),
-                          textureLod(mapDiffuse, uv.xy, levels.x), textureLod(mapEmissive, uv.zw, levels.y),
-                          textureLod(mapBase, uv.xy, levels.x)); // of the reflectance's size, or constant
+    // mapBase is of the reflectance's size, or constant.
+    return unpackMaterial(
+        textureLod(mapNormal, uv.xy, levels.x), textureLod(mapSpecular, uv.xy, levels.x),
+        textureLod(mapDiffuse, uv.xy, levels.x),
+        kConstantEmission ? texelFetch(mapEmissive, ivec2(0), 0) : textureLod(mapEmissive, uv.zw, levels.y),
+        kConstantBase ? texelFetch(mapBase, ivec2(0), 0) : textureLod(mapBase, uv.xy, levels.x));
 }
 
 MaterialTexel noMaterial()

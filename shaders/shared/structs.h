@@ -29,6 +29,8 @@ layout(buffer_reference) buffer Floats;
 layout(buffer_reference) buffer Colours;
 layout(buffer_reference) buffer Histogram;
 layout(buffer_reference) buffer Surfaces;
+layout(buffer_reference) buffer EdgeLists;
+layout(buffer_reference) buffer EdgePixels;
 #endif
 
 struct Vertex {
@@ -90,6 +92,11 @@ struct EnvironmentView {
 LUMEL_CONST uint kFeatureEnvironment = 1u;
 LUMEL_CONST uint kFeatureShadows = 2u;
 LUMEL_CONST uint kFeatureColoured = 4u; // vertices have colours
+LUMEL_CONST uint kFeatureWaiting = 8u;  // draw.frag: some lumels may wait for their light, or fade in
+// A material's map is one texel: it is not filtered.
+LUMEL_CONST uint kFeatureConstantEmission = 16u;
+LUMEL_CONST uint kFeatureConstantOpacity = 32u;
+LUMEL_CONST uint kFeatureConstantBase = 64u;
 
 // Bits of JobTile::lights.
 LUMEL_CONST uint kListedLights = 256u;
@@ -399,9 +406,16 @@ struct LightPush {
     uint surfaceCapacity; // tiles
 };
 
+// Opaque objects write it into alpha where edges are filtered: from 2, whole, exact in half floats. A pixel that
+// nothing covers holds 0, one of the background 1.
+LUMEL_FN float objectNumber(uint object)
+{
+    return 2.0f + float(object % 2046u);
+}
+
 struct DrawPush {
     uint object;
-    float opacity; // forward: fades it in over the lit texture
+    float opacity; // forward: fades it in over the lit texture; or the object's number
     float level;   // forward: >= 0 fixes the material level (the reference reads level 0), < 0 derives it
     uint frame;
 };
@@ -409,6 +423,8 @@ struct DrawPush {
 struct ForwardPush {
     DrawPush draw; // for the vertex shader
     uint lights[kListedLights / 32u]; // that may reach the object, as in JobTile
+    uint flags;                       // of the object, as in Object
+    float alphaCutoff, dielectric;
 };
 
 // What drawing a lit texture needs, all of it: loads that are the same for all pixels are cheap from here only.
@@ -421,7 +437,6 @@ struct LitPush {
     float anisotropy;
     uint layer;
     uint mips;
-    uint waiting;      // 1: some lumels may wait for their light, and have no weight
     uint tileOffsets[kMaxLevels];
 };
 
@@ -470,6 +485,22 @@ LUMEL_CONST uint kFloorTwoLevels = 2u; // bicubic on either, blended
 struct FloorPush {
     uvec2 size;  // draw: lumels of the texture that the object would draw
     uint lumels; // light, lower: how many
+};
+
+// Pixels at edges between objects, listed for three dispatches.
+struct EdgeList {
+    uint groups[3]; // of a dispatch over the list, 64 each
+    uint count;     // pixels appended, of which the list holds at most EdgePush::capacity
+};
+struct EdgePixel {
+    uint place;     // y << 16 | x
+    uvec2 radiance; // to come, in half floats
+};
+struct EdgePush {
+    LUMEL_ADDRESS(EdgeLists) list;
+    LUMEL_ADDRESS(EdgePixels) pixels;
+    uvec2 size; // pixels of the source that hold the picture
+    uint capacity;
 };
 
 struct DisplayPush {

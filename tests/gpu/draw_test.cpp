@@ -24,6 +24,33 @@ TEST_F(DrawTest, MultisamplingMovesNothing)
     EXPECT_GT(single, 20.0);
 }
 
+TEST_F(DrawTest, TheEdgeFilterSmoothsEdgesOfObjectsAndNothingElse)
+{
+    const TestScene s = sphereScene(bumpyMaps(256, 1.0f, 60.0f));
+    const scene::Camera camera = cameraAt({0.0f, 0.3f, 3.5f});
+    const Image reference = shoot(s, camera, settingsFor(Shading::reference)).display;
+    for (const Shading shading : {Shading::tsl, Shading::forward}) {
+        Settings settings = settingsFor(shading);
+        const Image filtered = shoot(s, camera, settings).display;
+        settings.edgeFilter = false;
+        const Image plain = shoot(s, camera, settings).display;
+        EXPECT_GT(psnr(filtered, reference), psnr(plain, reference));
+        const auto equal = [](const float* a, const float* b) { return std::equal(a, a + 3, b); };
+        const auto covered = [&](int x, int y) { return !equal(plain.at(x, y), plain.at(0, 0)); };
+        int changed = 0;
+        for (int y = 1; y + 1 < plain.height; ++y)
+            for (int x = 1; x + 1 < plain.width; ++x) {
+                if (equal(plain.at(x, y), filtered.at(x, y)))
+                    continue;
+                ++changed;
+                const int beside =
+                    covered(x - 1, y) + covered(x + 1, y) + covered(x, y - 1) + covered(x, y + 1);
+                EXPECT_TRUE(covered(x, y) ? beside < 4 : beside > 0) << x << ", " << y;
+            }
+        EXPECT_GT(changed, 20);
+    }
+}
+
 TEST_F(DrawTest, ViewsShowWhatTheySay)
 {
     const TestScene s = sphereScene(plainMaps({0.5f, 0.1f, 0.1f}));

@@ -94,9 +94,10 @@ TEST_F(FrameTest, EverySurfacePixelIsLit)
     s.scene.lights = {sun({0, 0, -1}), sun({0, 0, 1}),  sun({1, 0, 0}),
                       sun({-1, 0, 0}), sun({0, -1, 0}), sun({0, 1, 0})};
     for (const float distance : {1.5f, 3.0f, 10.0f, 60.0f}) {
-        const Picture tsl = shoot(s, cameraAt({0.0f, 0.3f * distance, distance}), settingsFor(Shading::tsl));
-        Settings mask = settingsFor(Shading::forward);
-        const Picture forward = shoot(s, cameraAt({0.0f, 0.3f * distance, distance}), mask);
+        const auto shown = [&](Shading shading) {
+            return shoot(s, cameraAt({0.0f, 0.3f * distance, distance}), multisampled(shading));
+        };
+        const Picture tsl = shown(Shading::tsl), forward = shown(Shading::forward);
         for (size_t i = 0; i < tsl.radiance.pixels.size(); ++i)
             ASSERT_NEAR(tsl.radiance.pixels[i], forward.radiance.pixels[i], 0.2f) << "distance " << distance;
     }

@@ -41,8 +41,8 @@ void expectClose(const TestScene& s, const scene::Camera& camera, double least, 
 {
     SCOPED_TRACE(name);
     const Picture reference = shoot(s, camera, settingsFor(Shading::reference));
-    const Picture tsl = shoot(s, camera, settingsFor(Shading::tsl));
-    const Picture forward = shoot(s, camera, settingsFor(Shading::forward));
+    const Picture tsl = shoot(s, camera, multisampled(Shading::tsl));
+    const Picture forward = shoot(s, camera, multisampled(Shading::forward));
     EXPECT_EQ(tsl.stats.objectsTsl, inTextureSpace);
     const double lit = psnr(tsl.display, reference.display),
                  direct = psnr(forward.display, reference.display);

@@ -251,12 +251,22 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(LitPush, anisotropy);
     EXPECT_OFFSET(LitPush, layer);
     EXPECT_OFFSET(LitPush, mips);
-    EXPECT_OFFSET(LitPush, waiting);
     EXPECT_OFFSET(LitPush, tileOffsets);
     EXPECT_OFFSET(ViewPush, draw);
     EXPECT_OFFSET(ViewPush, kind);
     EXPECT_OFFSET(ForwardPush, draw);
     EXPECT_OFFSET(ForwardPush, lights);
+    EXPECT_OFFSET(ForwardPush, flags);
+    EXPECT_OFFSET(ForwardPush, alphaCutoff);
+    EXPECT_OFFSET(ForwardPush, dielectric);
+    EXPECT_OFFSET(EdgeList, groups);
+    EXPECT_OFFSET(EdgeList, count);
+    EXPECT_OFFSET(EdgePixel, place);
+    EXPECT_OFFSET(EdgePixel, radiance);
+    EXPECT_OFFSET(EdgePush, list);
+    EXPECT_OFFSET(EdgePush, pixels);
+    EXPECT_OFFSET(EdgePush, size);
+    EXPECT_OFFSET(EdgePush, capacity);
     EXPECT_OFFSET(PoolPush, rectangle);
     EXPECT_OFFSET(PoolPush, layer);
     EXPECT_OFFSET(PoolPush, shade);
@@ -280,5 +290,6 @@ TEST(SharedStructs, ArrayStridesEqualTheSizes)
     EXPECT_EQ(strides.at("JobTile"), sizeof(shared::JobTile));
     EXPECT_EQ(strides.at("Mark"), sizeof(shared::Mark));
     EXPECT_EQ(strides.at("Job"), sizeof(shared::Job));
+    EXPECT_EQ(strides.at("EdgePixel"), sizeof(shared::EdgePixel));
     EXPECT_EQ(strides.at("ObjectFeedback"), sizeof(shared::ObjectFeedback));
 }

@@ -194,6 +194,13 @@ Settings settingsFor(Shading shading, glm::uvec2 size)
     return settings;
 }
 
+Settings multisampled(Shading shading)
+{
+    Settings settings = settingsFor(shading);
+    settings.msaa = 4;
+    return settings;
+}
+
 Picture shoot(const TestScene& s, const scene::Camera& camera, const Settings& settings)
 {
     Renderer renderer(device(), s.scene, s.materials, settings);

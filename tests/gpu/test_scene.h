@@ -44,6 +44,7 @@ scene::Light sun(glm::vec3 direction, float lux = 3.0f);
 TestScene sphereScene(const baker::Maps& maps);
 
 Settings settingsFor(Shading shading, glm::uvec2 size = {160, 90});
+Settings multisampled(Shading shading); // where silhouettes would outweigh what is tested
 
 struct Picture {
     Image display, radiance;

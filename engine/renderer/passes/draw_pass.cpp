@@ -1,4 +1,5 @@
 #include "draw_pass.h"
+#include "edge_pass.h"
 #include "renderer/resources/culling.h"
 #include "vertex_input.h"
 #include <algorithm>
@@ -12,11 +13,21 @@ static uint32_t forwardAnisotropy(const Settings& settings)
     return settings.shading == Shading::reference ? 1u : uint32_t(settings.forwardAnisotropy);
 }
 
-const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind, bool coloured)
+// Without a limit, every tile that is needed has light.
+static uint32_t litFeatures(const Frame& frame)
+{
+    return frame.lumelBudget < ~0u ? shared::kFeatureWaiting : 0u;
+}
+
+static uint32_t forwardFeatures(const Frame& frame, const GpuObject& object)
+{
+    return frame.scene.features(object.coloured) | constantMaps(*object.material);
+}
+
+const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind, uint32_t features)
 {
     const bool multisampling = bool(frame.targets.multisampled);
     const bool shades = kind == Kind::forward || kind == Kind::blended;
-    const uint32_t features = shades ? frame.scene.features(coloured) : 0u;
     const uint32_t filter = kind == Kind::lit ? uint32_t(frame.settings.filter) : 0u;
     const uint32_t anisotropy = shades ? forwardAnisotropy(frame.settings) : 1u;
     gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, features, filter, anisotropy}];
@@ -68,30 +79,40 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
 
 void DrawPass::prepare(const Frame& frame, const LitPool& pool)
 {
-    pipeline(frame, pool, frame.settings.shading == Shading::tsl ? Kind::lit : Kind::forward);
+    if (frame.settings.shading == Shading::tsl)
+        pipeline(frame, pool, Kind::lit, litFeatures(frame));
+    else if (!frame.scene.objects().empty())
+        pipeline(frame, pool, Kind::forward, forwardFeatures(frame, frame.scene.objects().front()));
     if (frame.scene.features() & shared::kFeatureEnvironment)
         pipeline(frame, pool, Kind::background);
+}
+
+// Of an opaque object's pixels.
+static float alphaOf(const Frame& frame, size_t object)
+{
+    return filtersEdges(frame.settings) ? shared::objectNumber(uint32_t(object)) : 1.0f;
 }
 
 void DrawPass::drawLit(Frame& frame, const LitPool& pool, size_t object)
 {
     const vk::CommandBuffer commands = frame.commands;
-    const gpu::Pipeline& lit = pipeline(frame, pool, Kind::lit);
+    const gpu::Pipeline& lit = pipeline(frame, pool, Kind::lit, litFeatures(frame));
     bindSets(frame, vk::PipelineBindPoint::eGraphics, lit,
              {*pool.block(frame.residency.objects()[object].texture).set});
     const tsl::ObjectResidency& resident = frame.residency.objects()[object];
     const LitBlock& block = pool.block(resident.texture);
-    shared::LitPush push{
-        .draw = {.object = uint32_t(object), .opacity = 1.0f, .level = -1.0f, .frame = frame.index},
-        .tiles = block.states.address() + block.stateOffset(resident.texture.layer),
-        .size = block.layout.size,
-        .level = frame.detail.levelOffset,
-        .finest = resident.finest,
-        .anisotropy = frame.detail.anisotropy,
-        .layer = resident.texture.layer,
-        .mips = block.layout.mips,
-        .waiting = frame.lumelBudget < ~0u ? 1u : 0u,
-        .tileOffsets = {}};
+    shared::LitPush push{.draw = {.object = uint32_t(object),
+                                  .opacity = alphaOf(frame, object),
+                                  .level = -1.0f,
+                                  .frame = frame.index},
+                         .tiles = block.states.address() + block.stateOffset(resident.texture.layer),
+                         .size = block.layout.size,
+                         .level = frame.detail.levelOffset,
+                         .finest = resident.finest,
+                         .anisotropy = frame.detail.anisotropy,
+                         .layer = resident.texture.layer,
+                         .mips = block.layout.mips,
+                         .tileOffsets = {}};
     std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), push.tileOffsets);
     pushConstants(commands, lit, push);
     drawTriangles(frame, object);
@@ -101,14 +122,18 @@ void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, flo
 {
     const vk::CommandBuffer commands = frame.commands;
     const GpuObject& o = frame.scene.objects()[object];
+    const bool blends = o.blend || opacity < 1.0f;
     const gpu::Pipeline& forward =
-        pipeline(frame, pool, o.blend || opacity < 1.0f ? Kind::blended : Kind::forward, o.coloured);
+        pipeline(frame, pool, blends ? Kind::blended : Kind::forward, forwardFeatures(frame, o));
     bindSets(frame, vk::PipelineBindPoint::eGraphics, forward, {*o.material->set});
     shared::ForwardPush push{.draw = {.object = uint32_t(object),
-                                      .opacity = opacity,
+                                      .opacity = blends ? opacity : alphaOf(frame, object),
                                       .level = frame.settings.shading == Shading::reference ? 0.0f : -1.0f,
                                       .frame = frame.index},
-                             .lights = {}};
+                             .lights = {},
+                             .flags = o.data.flags,
+                             .alphaCutoff = o.data.alphaCutoff,
+                             .dielectric = o.data.dielectric};
     std::ranges::copy(lightsReaching(o, frame.scene.lights().table()), push.lights);
     pushConstants(commands, forward, push);
     drawTriangles(frame, object);

@@ -16,7 +16,7 @@ public:
 private:
     enum class Kind { lit, forward, blended, background, view, pool };
     // Made when first needed and kept: settings change back and forth.
-    const gpu::Pipeline& pipeline(const Frame& frame, const LitPool& pool, Kind kind, bool coloured = false);
+    const gpu::Pipeline& pipeline(const Frame& frame, const LitPool& pool, Kind kind, uint32_t features = 0);
     void drawObjects(Frame& frame, const LitPool& pool);
     void drawLit(Frame& frame, const LitPool& pool, size_t object);
     // opacity < 1: over what is there.

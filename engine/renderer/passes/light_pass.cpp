@@ -8,9 +8,10 @@ LightPass::LightPass(const gpu::Device& device, const SceneState& scene, const L
 {
 }
 
-const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool& pool, bool coloured)
+const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool& pool,
+                                              const GpuMaterial& material, bool coloured)
 {
-    const uint32_t features = frame.scene.features(coloured);
+    const uint32_t features = frame.scene.features(coloured) | constantMaps(material);
     gpu::Pipeline& pipeline = light_[features];
     if (!*pipeline.handle)
         pipeline = gpu::makeComputePipeline(
@@ -33,6 +34,13 @@ const gpu::Pipeline& LightPass::cachedPipeline(const Frame& frame, const LitPool
     return pipeline;
 }
 
+void LightPass::prepare(const Frame& frame, const LitPool& pool, const PlanPass& plan)
+{
+    if (!frame.scene.objects().empty())
+        lightPipeline(frame, pool, *frame.scene.objects().front().material, false);
+    cachedPipeline(frame, pool, plan.surfaces());
+}
+
 void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan)
 {
     const PassScope scope(frame, "light");
@@ -42,8 +50,8 @@ void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& p
         const PlanPass::LightJob& job = plan.lightJobs()[i];
         if (!job.material && surfaces.state().capacity == 0)
             continue;
-        const gpu::Pipeline& light =
-            job.material ? lightPipeline(frame, pool, job.coloured) : cachedPipeline(frame, pool, surfaces);
+        const gpu::Pipeline& light = job.material ? lightPipeline(frame, pool, *job.material, job.coloured)
+                                                  : cachedPipeline(frame, pool, surfaces);
         bindSets(frame, vk::PipelineBindPoint::eCompute, light,
                  {job.material ? *job.material->set : surfaces.set(), *pool.blocks()[size_t(job.block)].set});
         pushConstants(commands, light, plan.push(i));

@@ -10,17 +10,14 @@ class LightPass {
 public:
     LightPass(const gpu::Device& device, const SceneState& scene, const LitPool& pool);
     // Begins to make the pipelines that most frames need.
-    void prepare(const Frame& frame, const LitPool& pool, const PlanPass& plan)
-    {
-        lightPipeline(frame, pool, false);
-        cachedPipeline(frame, pool, plan.surfaces());
-    }
+    void prepare(const Frame& frame, const LitPool& pool, const PlanPass& plan);
     void recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan);
     void recordLower(Frame& frame, const LitPool& pool, const PlanPass& plan);
 
 private:
     // Made when first needed and kept.
-    const gpu::Pipeline& lightPipeline(const Frame& frame, const LitPool& pool, bool coloured);
+    const gpu::Pipeline& lightPipeline(const Frame& frame, const LitPool& pool, const GpuMaterial& material,
+                                       bool coloured);
     const gpu::Pipeline& cachedPipeline(const Frame& frame, const LitPool& pool,
                                         const SurfaceCache& surfaces);
 

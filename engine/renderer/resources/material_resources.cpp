@@ -13,6 +13,16 @@ constexpr std::array kAddressModes = {vk::SamplerAddressMode::eRepeat,
 
 } // namespace
 
+uint32_t constantMaps(const GpuMaterial& material)
+{
+    const auto feature = [](const gpu::Image& map, uint32_t bit) {
+        return map.extent() == vk::Extent2D{1, 1} ? bit : 0u;
+    };
+    return feature(material.emissive, shared::kFeatureConstantEmission) |
+           feature(material.opacity, shared::kFeatureConstantOpacity) |
+           feature(material.base, shared::kFeatureConstantBase);
+}
+
 MaterialResources::MaterialResources(const gpu::Device& device, const scene::Scene& scene,
                                      const std::vector<scene::BakedMaterial>& baked)
     : layout_(gpu::makeSetLayout(

@@ -13,6 +13,9 @@ struct GpuMaterial {
     vk::raii::DescriptorSet set = nullptr;
 };
 
+// kFeatureConstant... of the maps that are one texel.
+uint32_t constantMaps(const GpuMaterial& material);
+
 class MaterialResources {
 public:
     MaterialResources(const gpu::Device& device, const scene::Scene& scene,

@@ -1,0 +1,73 @@
+#include "edge_pass.h"
+#include "gpu/sampler.h"
+#include <algorithm>
+
+namespace lumel {
+namespace {
+
+// Edge pixels that are filtered at most: a third of the picture, or what one dispatch of groups of 64
+// reaches.
+uint32_t capacityFor(glm::uvec2 size)
+{
+    return std::min(size.x * size.y / 3 + 1, 64 * shared::kMostGroups);
+}
+
+} // namespace
+
+bool filtersEdges(const Settings& settings)
+{
+    return settings.edgeFilter && settings.msaa == 1 && settings.shading != Shading::reference &&
+           settings.view == View::none;
+}
+
+EdgePass::EdgePass(const gpu::Device& device, const SceneState& scene)
+    : sampler_(gpu::makeSampler(device, {.filter = vk::Filter::eNearest})),
+      layout_(gpu::makeSetLayout(
+          device, {vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eStorageImage})),
+      set_(gpu::makeSet(device, layout_)),
+      find_(gpu::makeComputePipeline(device, "edges_find.comp", {*scene.frameSet().layout(), *layout_},
+                                     sizeof(shared::EdgePush))),
+      blend_(gpu::makeComputePipeline(device, "edges_blend.comp", {*scene.frameSet().layout(), *layout_},
+                                      sizeof(shared::EdgePush))),
+      write_(gpu::makeComputePipeline(device, "edges_write.comp", {*scene.frameSet().layout(), *layout_},
+                                      sizeof(shared::EdgePush))),
+      list_(device, sizeof(shared::EdgeList), gpu::Buffer::MemoryUsage::device, "edge list")
+{
+}
+
+void EdgePass::record(Frame& frame)
+{
+    const PassScope scope(frame, "display");
+    const vk::CommandBuffer commands = frame.commands;
+    const gpu::Image& hdr = frame.targets.hdr;
+    const uint32_t capacity = capacityFor(frame.settings.size);
+    if (pixels_.size() < capacity * sizeof(shared::EdgePixel))
+        pixels_ = gpu::Buffer(frame.device, capacity * sizeof(shared::EdgePixel),
+                              gpu::Buffer::MemoryUsage::device, "edge pixels", "use a smaller --size");
+    gpu::writeSampled(frame.device, *set_, 0, *sampler_, hdr.view(), vk::ImageLayout::eGeneral);
+    gpu::writeStorage(frame.device, *set_, 1, hdr.view());
+    const shared::EdgeList none{.groups = {0, 1, 1}, .count = 0};
+    commands.updateBuffer<shared::EdgeList>(list_.handle(), 0, none);
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::computeReadWrite);
+    gpu::imageBarrier(commands, hdr.handle(), hdr.aspect(), gpu::Use::colorWrite, gpu::Use::general);
+    const auto bind = [&](const gpu::Pipeline& pipeline) {
+        bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, {*set_});
+        pushConstants(commands, pipeline,
+                      shared::EdgePush{.list = list_.address(),
+                                       .pixels = pixels_.address(),
+                                       .size = frame.renderSize,
+                                       .capacity = capacity});
+    };
+    bind(find_);
+    commands.dispatch(groupsOf64((frame.renderSize.x + 1) / 2), (frame.renderSize.y + 1) / 2, 1);
+    gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::general);
+    bind(blend_);
+    commands.dispatchIndirect(list_.handle(), 0);
+    gpu::memoryBarrier(commands, gpu::Use::general, gpu::Use::general);
+    bind(write_);
+    commands.dispatchIndirect(list_.handle(), 0);
+    // As the draw pass leaves it.
+    gpu::imageBarrier(commands, hdr.handle(), hdr.aspect(), gpu::Use::general, gpu::Use::colorWrite);
+}
+
+} // namespace lumel
