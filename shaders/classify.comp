@@ -18,10 +18,13 @@ bool changedSince(LitObject object, TileState tile, uint since)
 {
     if (object.changed > since)
         return true;
-    for (uint i = 0u; i < view.lightCount; ++i)
-        if (lights[i].changed > since && lightReaches(lights[i], tile.centre, tile.radius))
-            return true;
-    return false;
+    bool changed = false;
+    for (uint i = view.lightsChanged > since ? 0u : view.lightCount; i < view.lightCount;) {
+        changed = changed || (lights[i].changed > since && lightReaches(lights[i], tile.centre, tile.radius));
+        if (++i == view.lightCount)
+            break;
+    }
+    return changed;
 }
 
 // Largest rate among the tile and its neighbours: a highlight enters a matte tile from its neighbour.

@@ -45,12 +45,11 @@ vec4 derive(Source source, uvec2 lumel)
     if ((texel & kTexelGutter) != 0u)
         lumel = uvec2(ivec2(lumel) + gutterSource(texel));
     vec4 sum = vec4(0.0);
-    for (uint j = 0u; j < source.ratio.y; ++j)
-        for (uint i = 0u; i < source.ratio.x; ++i) {
-            uvec2 child = lumel * source.ratio + uvec2(i, j);
-            vec4 light = imageLoad(lit, ivec3(source.fine.origin + child, source.layer));
-            sum += float(texelCoverage(texelOf(source, source.fine, child))) * light.a * vec4(light.rgb, 1.0);
-        }
+    for (uint i = 0u; i < 4u; ++i) { // where an axis does not halve, twice the same: the mean is the same too
+        uvec2 child = lumel * source.ratio + min(uvec2(i & 1u, i >> 1u), source.ratio - 1u);
+        vec4 light = imageLoad(lit, ivec3(source.fine.origin + child, source.layer));
+        sum += float(texelCoverage(texelOf(source, source.fine, child))) * light.a * vec4(light.rgb, 1.0);
+    }
     return sum.a > 0.0 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }
 
@@ -84,12 +83,15 @@ void deriveTile(LitObject object, uint mip, uvec2 tile, uint quads, uint wrong, 
                            mipSize(object, mip - 1u) / mipSize(object, mip), object.texels, object.layer);
     uint changed = quads | wrong;
     uint local = gl_LocalInvocationIndex, count = bitCount(changed);
-    for (uint i = local / kQuadLumels; i < count; i += gl_WorkGroupSize.x / kQuadLumels) {
+    for (uint i = local / kQuadLumels; i < count;) {
         uint quad = quadOf(changed, i);
         uvec2 lumel = tile * kTileSize + lumelOf(quad, local % kQuadLumels);
         vec4 light = (quads >> quad & 1u) != 0u ? derive(source, lumel) : vec4(0.0);
         if (all(lessThan(lumel, source.coarse.size)))
             imageStore(lit, ivec3(source.coarse.origin + lumel, source.layer), light);
+        i += gl_WorkGroupSize.x / kQuadLumels;
+        if (i >= count)
+            break;
     }
     barrier(); // all have read the tile's state
     if (local != 0u || changed == 0u)
@@ -99,24 +101,32 @@ void deriveTile(LitObject object, uint mip, uvec2 tile, uint quads, uint wrong, 
     noteDerived(object, index, quads, children.newer | wrong, children.youngest, child, waited);
 }
 
+// A tile of the list; of the tail's first MIP, and all that follow from it.
+void deriveEntry(JobTile entry)
+{
+    LitObject object = litObject(entry.tile.object);
+    uint mip = placeMip(entry.tile.place), last = mip < derivedTail(object.mips) ? mip : object.mips - 1u;
+    bool waited = (entry.tile.place & kPlaceWaited) != 0u;
+    uint quads = entry.quads & kAllQuads, wrong = entry.quads >> 16u;
+    for (;;) {
+        deriveTile(object, mip, placeTile(entry.tile.place), quads, wrong, waited);
+        if (mip >= last)
+            break;
+        memoryBarrierImage();
+        memoryBarrierBuffer();
+        barrier(); // the next MIP is made of this one
+        ++mip;
+        quads = surfaceQuads(object, mip, uvec2(0u)); // the view needs all of it
+        wrong = 0u;
+    }
+}
+
 void main()
 {
     Job job = push.jobs.at[push.job];
-    for (uint i = gl_WorkGroupID.x; i < listed(job); i += gl_NumWorkGroups.x) {
-        JobTile entry = push.tiles.at[job.first + i];
-        LitObject object = litObject(entry.tile.object);
-        uint mip = placeMip(entry.tile.place), last = mip < derivedTail(object.mips) ? mip : object.mips - 1u;
-        bool waited = (entry.tile.place & kPlaceWaited) != 0u;
-        uint quads = entry.quads & kAllQuads, wrong = entry.quads >> 16u;
-        for (; mip <= last; ++mip) {
-            deriveTile(object, mip, placeTile(entry.tile.place), quads, wrong, waited);
-            if (mip < last) {
-                memoryBarrierImage();
-                memoryBarrierBuffer();
-                barrier(); // the next MIP is made of this one
-                quads = surfaceQuads(object, mip + 1u, uvec2(0u)); // the view needs all of it
-                wrong = 0u;
-            }
-        }
-    }
+    uint i = gl_WorkGroupID.x, count = listed(job);
+    do {
+        deriveEntry(push.tiles.at[job.first + i]);
+        i += gl_NumWorkGroups.x;
+    } while (i < count);
 }

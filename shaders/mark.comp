@@ -60,13 +60,13 @@ void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, v
     float thickness = abs(dot(across, halfX)) + abs(dot(across, halfY)) + push.reach * (abs(across.x) + abs(across.y));
     float perLumel = abs(across.x) > 0.01 ? 1.0 / across.x : 1e6; // x where the strip's middle is, for each dot
     ivec2 first = lower / kTileQuads, last = upper / kTileQuads;
-    for (int y = first.y; y <= last.y; ++y)
-        for (int x = first.x; x <= last.x; ++x) {
+    for (int y = first.y;;) {
+        for (int x = first.x;;) {
             ivec2 origin = ivec2(x, y) * kTileQuads;
             uint row = rowQuads(lower.x, upper.x, origin.x);
             uint rows = rowQuads(lower.y, upper.y, origin.y);
             uint quads = row * ((rows & 1u) | (rows & 2u) << 3u | (rows & 4u) << 6u | (rows & 8u) << 9u);
-            for (int i = 0; i < (isLong ? kTileQuads : 0); ++i) {
+            for (int i = isLong ? 0 : kTileQuads; i < kTileQuads;) {
                 float top = float((origin.y + i) * int(kQuadSize)) - centre.y;
                 vec2 middles = -across.y * perLumel * vec2(top, top + float(kQuadSize));
                 float halfWidth = thickness * abs(perLumel);
@@ -74,20 +74,24 @@ void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, v
                 vec2 ends = clamp(centre.x + vec2(left, right), vec2(0.0), vec2(size.x - 1.0)) / float(kQuadSize);
                 uint inside = rowQuads(int(floor(ends.x)), int(floor(ends.y)), origin.x) << uint(kTileQuads * i);
                 quads &= inside | ~(0xfu << uint(kTileQuads * i));
+                if (++i == kTileQuads)
+                    break;
             }
             if (quads != 0u)
                 mark(object, objectIndex, mip, uvec2(x, y), quads);
+            if (++x > last.x)
+                break;
         }
+        if (++y > last.y)
+            break;
+    }
 }
 
 // The tail's MIPs are a tile each.
 void markTail(LitObject object, uint objectIndex)
 {
-    for (uint mip = tailMip(object.mips); mip < object.mips; ++mip) {
-        uvec2 tiles = tileCount(mipSize(object, mip));
-        for (uint tile = 0u; tile < tiles.x * tiles.y; ++tile)
-            mark(object, objectIndex, mip, uvec2(tile % tiles.x, tile / tiles.x), kAllQuads);
-    }
+    for (uint mip = tailMip(object.mips); mip < object.mips; ++mip)
+        mark(object, objectIndex, mip, uvec2(0u), kAllQuads);
 }
 
 void main()
@@ -111,7 +115,13 @@ void main()
     float finest = mipPosition(object, level - kLevelMargin), coarsest = mipPosition(object, level + kLevelMargin);
     uint first = uint(finest);
     uint last = uint(coarsest) + (coarserWeight(coarsest) > 0.0 ? 1u : 0u);
-    for (uint mip = first; mip <= min(last, object.mips - 1u); ++mip)
-        markBlock(object, objectIndex, mip, uv, dx, dy, axis);
-    markBlock(object, objectIndex, min(last + kFallback, object.mips - 1u), uv, vec2(0.0), vec2(0.0), vec2(0.0));
+    // The fallback is the last round of the same loop.
+    uint coarsestMip = object.mips - 1u, rounds = min(last, coarsestMip) - first + 1u;
+    for (uint i = 0u;;) {
+        float covers = i < rounds ? 1.0 : 0.0; // or the sample's own point
+        uint mip = i < rounds ? first + i : min(last + kFallback, coarsestMip);
+        markBlock(object, objectIndex, mip, uv, covers * dx, covers * dy, covers * axis);
+        if (++i > rounds)
+            break;
+    }
 }

@@ -32,43 +32,44 @@ vec4 positionOf(LitObject object, ObjectAt mesh, uint level, uvec2 lumel)
     return vec4((mesh.at.worldFromObject * vec4(position, 1.0)).xyz, 1.0);
 }
 
-// Centre and radius (w) of a ball around the tile's surface: from its corners and centre where all lie on it,
-// else from every lumel.
-vec4 ballOf(LitObject object, ObjectAt mesh, uint mip, uvec2 tile)
+// Centre and radius (w) of a ball around the tile's surface, unless the known one holds: from its corners and centre
+// where all lie on it, else from every lumel.
+vec4 ballOf(LitObject object, ObjectAt mesh, uint mip, uvec2 tile, vec4 known, bool holds)
 {
     uint level = object.litLevel + mip;
     uvec2 last = min(mipSize(object, mip), uvec2(kTileSize)) - 1u;
     vec3 lower = vec3(1e30), upper = vec3(-1e30);
     uint found = 0u;
-    for (uint i = 0u; i < 5u; ++i) {
+    for (uint i = holds ? 5u : 0u; i < 5u;) {
         uvec2 step = i == 4u ? last / 2u : last * uvec2(i & 1u, i >> 1u);
         vec4 p = positionOf(object, mesh, level, tile * kTileSize + step);
         found += uint(p.w);
         lower = min(lower, p.w > 0.0 ? p.xyz : lower);
         upper = max(upper, p.w > 0.0 ? p.xyz : upper);
+        if (++i == 5u)
+            break;
     }
-    for (uint i = 0u; i < (found < 5u ? kTileLumels : 0u); ++i) {
-        uvec2 step = uvec2(i % kTileSize, i / kTileSize);
-        if (any(greaterThan(step, last)))
-            continue;
+    for (uint i = holds || found == 5u ? kTileLumels : 0u; i < kTileLumels;) {
+        uvec2 step = min(uvec2(i % kTileSize, i / kTileSize), last);
         vec4 p = positionOf(object, mesh, level, tile * kTileSize + step);
         lower = min(lower, p.w > 0.0 ? p.xyz : lower);
         upper = max(upper, p.w > 0.0 ? p.xyz : upper);
+        if (++i == kTileLumels)
+            break;
     }
     const float kBulge = 1.25; // of a curved surface between its corners
-    return vec4(0.5 * (lower + upper), 0.5 * kBulge * length(max(upper - lower, vec3(0.0))));
+    vec4 ball = vec4(0.5 * (lower + upper), 0.5 * kBulge * length(max(upper - lower, vec3(0.0))));
+    return holds ? known : ball;
 }
 
 // All quads that a tile needs are about to be lit: notes from where.
 void noteLighting(LitObject object, uint index, Tile tile, uint quads, TileState state)
 {
     bool known = state.lit != 0u && ((state.held | state.held >> 16u) & quads) != 0u;
-    // The ball found when the tile was last lit holds until the object moves; a derived tile's is a guess. A loop,
-    // because software Vulkan runs both sides of a branch.
-    vec4 ball = vec4(state.centre, state.radius);
+    // The ball found when the tile was last lit holds until the object moves; a derived tile's is a guess.
     bool ballHolds = state.lit != 0u && state.turned != kTurnedOfDerived && object.changed <= state.lit;
-    for (uint once = ballHolds ? 1u : 0u; once < 1u; ++once)
-        ball = ballOf(object, objectAt(tile.object), placeMip(tile.place), placeTile(tile.place));
+    vec4 ball = ballOf(object, objectAt(tile.object), placeMip(tile.place), placeTile(tile.place),
+                       vec4(state.centre, state.radius), ballHolds);
     if (known)
         object.tiles.at[index].rate = rateOf(state);
     object.tiles.at[index].turned = known ? max(turnedSince(state, view.eyeInWorld), 1e-6) : 0.0;
@@ -85,22 +86,28 @@ void noteLighting(LitObject object, uint index, Tile tile, uint quads, TileState
 // Which lights reach the tile.
 void listLights(vec3 centre, float radius, uint slot)
 {
-    for (uint word = 0u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word) {
-        uint bits = 0u;
-        for (uint i = 0u; i < min(view.lightCount - 32u * word, 32u); ++i)
-            bits |= lightReaches(lights[32u * word + i], centre, radius) ? 1u << i : 0u;
-        push.tiles.at[slot].lights[word] = bits;
+    uint bits = 0u, count = min(view.lightCount, kListedLights);
+    for (uint i = 0u; i < count;) {
+        bits |= lightReaches(lights[i], centre, radius) ? 1u << i % 32u : 0u;
+        ++i;
+        if (i % 32u == 0u || i == count) {
+            push.tiles.at[slot].lights[(i - 1u) / 32u] = bits;
+            bits = 0u;
+        }
+        if (i == count)
+            break;
     }
 }
 
 // Those of them that have a shadow map: bit i is the light of view.shadows[i], bit 8 + i that it has changed since.
-uint shadowsReaching(vec3 centre, float radius, uint since)
+uint shadowsReaching(uint slot, uint since)
 {
     uint shadows = 0u;
-    for (uint i = 0u; i < view.shadowCount; ++i) {
-        Light light = lights[view.shadows[i].light];
-        uint bit = lightReaches(light, centre, radius) ? 1u << i : 0u;
-        shadows |= bit | (light.changed > since ? bit << kMaxShadows : 0u);
+    for (uint i = 0u; i < view.shadowCount;) {
+        uint light = view.shadows[i].light, bit = (push.tiles.at[slot].lights[light / 32u] >> light % 32u & 1u) << i;
+        shadows |= bit | (lights[light].changed > since ? bit << kMaxShadows : 0u);
+        if (++i == view.shadowCount)
+            break;
     }
     return shadows;
 }
@@ -131,8 +138,12 @@ bool light(LitObject object, uint index, Mark mark)
     bool more = (mark.quads & kMarkMore) != 0u;
     uint surface = surfaceNumber(object, state);
     uint known = surface != 0u && surface == state.surface ? state.cached : 0u;
-    bool cached = (quads & ~known) == 0u;
-    uint slot = append(cached ? object.cachedJob : object.lightJob, mark.tile, quads | (more ? 0u : holding << 16u));
+    uint job = object.lightJob;
+    if ((quads & ~known) == 0u) {
+        bool shadowsKnown = (quads & ~(known >> 16u)) == 0u && view.lightsChanged <= state.checked;
+        job = object.cachedJob + (shadowsKnown || view.shadowCount == 0u ? 0u : 1u);
+    }
+    uint slot = append(job, mark.tile, quads | (more ? 0u : holding << 16u));
     if (slot == kListFull)
         return false;
     if (more)
@@ -141,7 +152,7 @@ bool light(LitObject object, uint index, Mark mark)
         noteLighting(object, index, mark.tile, quads, state);
     vec4 ball = vec4(object.tiles.at[index].centre, object.tiles.at[index].radius);
     listLights(ball.xyz, ball.w, slot);
-    uint shadows = shadowsReaching(ball.xyz, ball.w, state.checked), visible = known >> 16u;
+    uint shadows = shadowsReaching(slot, state.checked), visible = known >> 16u;
     if (shadows >> kMaxShadows != 0u)
         visible &= quads; // that of the others is found again when they are lit
     push.tiles.at[slot].surface = surface;

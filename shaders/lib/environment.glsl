@@ -41,11 +41,13 @@ vec3 reflectEnvironment(SurfaceReflectance surface, vec3 v)
     EnvironmentLobe part = environmentLobe(nDotV, tapVariance);
     float level = environmentLevel(tapVariance * part.narrowing);
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < taps; ++i) {
+    for (int i = 0;;) {
         float t = ((2.0 * float(i) + 1.0) / float(taps) - 1.0) * (taps > 1 ? kTapReach : 0.0);
         vec3 h = normalize(lobe.normal + along * (t * sqrt(longVariance)));
         vec3 mirrored = 2.0 * dot(h, v) * h - v;
         sum += environmentRadiance(mix(mirrored, h, part.towardsNormal), level);
+        if (++i >= taps)
+            break;
     }
     vec3 radiance = sum / float(taps);
     return radiance * reflectedShare(surface, grazingShare(nDotV, meanVariance));

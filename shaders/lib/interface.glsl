@@ -1,4 +1,7 @@
 // Extensions, shared structs and the typed GPU addresses: every shader's first include.
+//
+// Software Vulkan masks what a branch leaves out but runs it, and ends a loop where no invocation is left in it: a loop
+// whose test is on its top runs its body once more than needed. Where the body is dear, the test is at its end.
 #ifndef LUMEL_INTERFACE_GLSL
 #define LUMEL_INTERFACE_GLSL
 #extension GL_EXT_scalar_block_layout : require

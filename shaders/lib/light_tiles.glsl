@@ -11,6 +11,9 @@ layout(local_size_x_id = 3) in;
 layout(push_constant, scalar) uniform Constants { LightPush push; };
 layout(set = 2, binding = 0, rgba16f) uniform image2DArray lit;
 
+// What the surface cache holds of the tile's shadows is all that it needs.
+const bool kKnownShadows = (kFeatures & kFeatureKnownShadows) != 0u;
+
 // A lumel's surface, and what is known of the lights that reach it: 8 bits for each shadow map.
 struct LumelSurface {
     SurfaceRecord record; // noSurface() where there is none
@@ -58,7 +61,7 @@ float listedVisibility(uint shadow, ShadingPoint point, vec3 toLight)
 // unknown: bit i, that of the light of view.shadows[i] is to be found.
 void findVisibility(ShadingPoint point, uint unknown)
 {
-    for (; unknown != 0u; unknown &= unknown - 1u) {
+    for (; unknown != 0u;) {
         uint shadow = uint(findLSB(unknown)), shift = 8u * (shadow & 3u);
         vec3 toLight = incidentLight(lights[view.shadows[shadow].light], point.position).direction;
         float visible = lightVisibility(view.shadows[shadow], shadow, point.position, point.surface.macroNormal, toLight);
@@ -67,6 +70,9 @@ void findVisibility(ShadingPoint point, uint unknown)
             visibility.x = (visibility.x & ~mask) | bits;
         else
             visibility.y = (visibility.y & ~mask) | bits;
+        unknown &= unknown - 1u;
+        if (unknown == 0u)
+            break;
     }
 }
 
@@ -74,10 +80,35 @@ void keepSurface(uint number, uvec2 lumel, LumelSurface surface)
 {
     uvec2 inTile = lumel % kTileSize;
     uint last = kSurfaceWords - 1u;
-    for (uint i = surface.changed ? 0u : last; i < last; ++i)
-        push.surfaces.at[surfaceWord(number, push.surfaceCapacity, i, inTile)] = surface.record.words[i];
+    if (surface.changed)
+        for (uint i = 0u; i < last; ++i)
+            push.surfaces.at[surfaceWord(number, push.surfaceCapacity, i, inTile)] = surface.record.words[i];
     push.surfaces.at[surfaceWord(number, push.surfaceCapacity, last, inTile)] =
         uvec4(surface.record.words[last].xy, visibility);
+}
+
+// Returns the squared change.
+float lightLumel(JobTile job, uint flags, uint quad, uvec2 lumel, ivec3 place)
+{
+    LumelSurface surface = surfaceOfLumel(lumel);
+    visibility = surface.visible;
+    bool isKnown = !surface.changed && (job.visible >> quad & 1u) != 0u;
+    uint unknown = isKnown ? job.shadows >> kMaxShadows : shadowsListed;
+    float change = 0.0;
+    if (isSurface(surface.record)) {
+        ShadingPoint point = shadingPoint(flags, unpackSurface(surface.record));
+        if (!kKnownShadows)
+            findVisibility(point, unknown);
+        vec3 radiance = storable(point.radiance + reflectedFromListed(point));
+        // Integers add up to the same sum in every order.
+        change = changeOf(imageLoad(lit, place).rgb, radiance, view.exposure);
+        imageStore(lit, place, vec4(radiance, 1.0));
+    } else {
+        imageStore(lit, place, vec4(0.0)); // a former owner's lumels could be not-a-number
+    }
+    if (!kKnownShadows && job.surface != 0u && (surface.changed || unknown != 0u))
+        keepSurface(job.surface, lumel, surface);
+    return change;
 }
 
 void lightTile(uint slot)
@@ -87,7 +118,6 @@ void lightTile(uint slot)
     listedSlot = slot;
     firstListed = view.lightCount > 0u ? job.lights[0] : 0u; // select.comp writes what there is
     shadowsListed = job.shadows & ((1u << kMaxShadows) - 1u);
-    uint changedShadows = job.shadows >> kMaxShadows;
     LitObject object = litObject(tile.object);
     uint mip = placeMip(tile.place), flags = objectFlags(object);
     uvec2 size = mipSize(object, mip);
@@ -97,34 +127,18 @@ void lightTile(uint slot)
     float changeUnit = kChangeUnit / float(kQuadLumels * max(bitCount(before), 1u));
     uint change = 0u;
     uint quadsAtOnce = gl_WorkGroupSize.x / kQuadLumels, count = bitCount(quads);
-    for (uint i = gl_LocalInvocationIndex / kQuadLumels; i < count; i += quadsAtOnce) {
+    for (uint i = gl_LocalInvocationIndex / kQuadLumels; i < count;) {
         uint quad = quadOf(quads, i);
         uvec2 lumel = placeTile(tile.place) * kTileSize + lumelOf(quad, gl_LocalInvocationIndex % kQuadLumels);
-        if (any(greaterThanEqual(lumel, size)))
-            continue;
-        ivec3 place = origin + ivec3(lumel, 0);
-        LumelSurface surface = surfaceOfLumel(lumel);
-        visibility = surface.visible;
-        bool known = !surface.changed && (job.visible >> quad & 1u) != 0u;
-        uint unknown = known ? changedShadows : shadowsListed;
-        if (!isSurface(surface.record)) { // a former owner's lumels could be not-a-number
-            imageStore(lit, place, vec4(0.0));
-        } else {
-            ShadingPoint point = shadingPoint(flags, unpackSurface(surface.record));
-            findVisibility(point, unknown);
-            vec3 radiance = storable(point.radiance + reflectedFromListed(point));
-            // Integers add up to the same sum in every order.
-            float counts = float(before >> quad & 1u);
-            change += uint(counts * changeOf(imageLoad(lit, place).rgb, radiance, view.exposure) * changeUnit);
-            imageStore(lit, place, vec4(radiance, 1.0));
-        }
-        bool keeps = job.surface != 0u && (surface.changed || unknown != 0u);
-        for (uint once = keeps ? 1u : 0u; once > 0u; --once)
-            keepSurface(job.surface, lumel, surface);
+        if (all(lessThan(lumel, size)))
+            change += uint(float(before >> quad & 1u) * changeUnit * lightLumel(job, flags, quad, lumel, origin + ivec3(lumel, 0)));
+        i += quadsAtOnce;
+        if (i >= count)
+            break;
     }
     // Wrong light must not be drawn, even where no sample saw that it is needed.
     uint wrong = job.visible >> 16u, wrongCount = bitCount(wrong);
-    for (uint i = gl_LocalInvocationIndex / kQuadLumels; i < wrongCount; i += quadsAtOnce) {
+    for (uint i = gl_LocalInvocationIndex / kQuadLumels; i < wrongCount; i += quadsAtOnce) { // seldom any
         uvec2 lumel = placeTile(tile.place) * kTileSize + lumelOf(quadOf(wrong, i), gl_LocalInvocationIndex % kQuadLumels);
         if (all(lessThan(lumel, size)))
             imageStore(lit, origin + ivec3(lumel, 0), vec4(0.0));
@@ -137,7 +151,10 @@ void lightTile(uint slot)
 void main()
 {
     Job job = push.jobs.at[push.job];
-    for (uint i = gl_WorkGroupID.x; i < listed(job); i += gl_NumWorkGroups.x)
+    uint i = gl_WorkGroupID.x, count = listed(job);
+    do {
         lightTile(job.first + i);
+        i += gl_NumWorkGroups.x;
+    } while (i < count);
 }
 #endif

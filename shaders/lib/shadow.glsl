@@ -18,11 +18,10 @@ float lightVisibility(Shadow shadow, uint layer, vec3 position, vec3 normal, vec
     vec4 place = shadow.mapFromWorld * vec4(position + (raised * normal + 0.7 * toLight) * texel, 1.0);
     vec3 p = place.xyz / max(place.w, 1e-20);
     vec2 step = 0.5 / vec2(textureSize(shadowMaps, 0).xy);
-    float sum = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        vec2 offset = vec2((i & 1) == 0 ? -step.x : step.x, (i & 2) == 0 ? -step.y : step.y);
-        sum += texture(shadowMaps, vec4(p.xy + offset, float(layer), p.z));
-    }
-    return 0.25 * sum;
+    float map = float(layer);
+    return 0.25 * (texture(shadowMaps, vec4(p.xy - step, map, p.z)) +
+                   texture(shadowMaps, vec4(p.x + step.x, p.y - step.y, map, p.z)) +
+                   texture(shadowMaps, vec4(p.x - step.x, p.y + step.y, map, p.z)) +
+                   texture(shadowMaps, vec4(p.xy + step, map, p.z)));
 }
 #endif

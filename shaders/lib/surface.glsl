@@ -76,11 +76,14 @@ uint shadowsAmongListed()
 vec3 reflectedFromShadowed(ShadingPoint point)
 {
     vec3 radiance = vec3(0.0);
-    for (uint bits = listedShadows(); bits != 0u; bits &= bits - 1u) {
+    for (uint bits = listedShadows(); bits != 0u;) {
         uint i = findLSB(bits);
         Incident incident = incidentLight(lights[view.shadows[i].light], point.position);
         float visible = listedVisibility(i, point, incident.direction);
         radiance += reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance * visible);
+        bits &= bits - 1u;
+        if (bits == 0u)
+            break;
     }
     return radiance;
 }
@@ -88,23 +91,29 @@ vec3 reflectedFromShadowed(ShadingPoint point)
 vec3 reflectedFromWord(ShadingPoint point, uint word, uint bits)
 {
     vec3 radiance = vec3(0.0);
-    for (; bits != 0u; bits &= bits - 1u)
+    for (; bits != 0u;) {
         radiance += reflectedFrom(point, lights[32u * word + findLSB(bits)]);
+        bits &= bits - 1u;
+        if (bits == 0u)
+            break;
+    }
     return radiance;
 }
 
 // From the lights of the shader's list and those past its last bit.
 vec3 reflectedFromListed(ShadingPoint point)
 {
-    const bool shadows = (kFeatures & kFeatureShadows) != 0u;
     vec3 radiance = vec3(0.0);
-    if (shadows)
+    if ((kFeatures & kFeatureShadows) != 0u)
         radiance = reflectedFromShadowed(point);
-    radiance += reflectedFromWord(point, 0u, shadows ? listedLights(0u) & ~view.shadowed[0] : listedLights(0u));
-    for (uint word = 1u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word)
-        radiance += reflectedFromWord(point, word, shadows ? listedLights(word) & ~view.shadowed[word] : listedLights(word));
-    for (uint i = kListedLights; i < view.lightCount; ++i)
-        radiance += reflectedFrom(point, lights[i]);
+    if ((kFeatures & kFeatureUnshadowed) != 0u)
+        radiance += reflectedFromWord(point, 0u, listedLights(0u) & ~view.shadowed[0]);
+    if ((kFeatures & kFeatureManyLights) != 0u) {
+        for (uint word = 1u; word < kListedLights / 32u && 32u * word < view.lightCount; ++word)
+            radiance += reflectedFromWord(point, word, listedLights(word) & ~view.shadowed[word]);
+        for (uint i = kListedLights; i < view.lightCount; ++i)
+            radiance += reflectedFrom(point, lights[i]);
+    }
     return radiance;
 }
 

@@ -97,6 +97,9 @@ LUMEL_CONST uint kFeatureWaiting = 8u;  // draw.frag: some lumels may wait for t
 LUMEL_CONST uint kFeatureConstantEmission = 16u;
 LUMEL_CONST uint kFeatureConstantOpacity = 32u;
 LUMEL_CONST uint kFeatureConstantBase = 64u;
+LUMEL_CONST uint kFeatureUnshadowed = 128u;  // some lights have no shadow map
+LUMEL_CONST uint kFeatureManyLights = 256u;  // more than one word of a list
+LUMEL_CONST uint kFeatureKnownShadows = 512u; // the surface cache has all visibility that is needed
 
 // Bits of JobTile::lights.
 LUMEL_CONST uint kListedLights = 256u;
@@ -121,6 +124,8 @@ struct View {
     uvec2 sizePixels;
     uint frame;        // from 1
     float levelOffset; // levels that lit textures are coarser than one lumel per pixel
+    uint lightsChanged; // frame in which a light last moved or changed
+    uint unused;        // addresses are aligned to 8
     LUMEL_ADDRESS(Objects) objects;
     EnvironmentView environment;
     uint shadowCount;
@@ -170,7 +175,7 @@ struct Object {
     uint mips;                     // 0: none, the object is drawn forward
     uint layer;
     uint lightJob;                 // of its tiles
-    uint cachedJob;                // of those whose surface is cached
+    uint cachedJob;                // of those whose surface is cached; the next, where shadows are to be found
     uint lowerJob;                 // of its MIP 1 tiles; each coarser MIP's follows, the tail's is one
     uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
     float materialLevelOffset;     // material level = lit level + this, where the UVs are the same

@@ -22,9 +22,9 @@ const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool&
 }
 
 const gpu::Pipeline& LightPass::cachedPipeline(const Frame& frame, const LitPool& pool,
-                                               const SurfaceCache& surfaces)
+                                               const SurfaceCache& surfaces, bool shadows)
 {
-    const uint32_t features = frame.scene.features();
+    const uint32_t features = frame.scene.features() | (shadows ? shared::kFeatureKnownShadows : 0u);
     gpu::Pipeline& pipeline = cached_[features];
     if (!*pipeline.handle)
         pipeline =
@@ -38,7 +38,8 @@ void LightPass::prepare(const Frame& frame, const LitPool& pool, const PlanPass&
 {
     if (!frame.scene.objects().empty())
         lightPipeline(frame, pool, *frame.scene.objects().front().material, false);
-    cachedPipeline(frame, pool, plan.surfaces());
+    for (const bool shadows : {true, false})
+        cachedPipeline(frame, pool, plan.surfaces(), shadows);
 }
 
 void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan)
@@ -50,8 +51,10 @@ void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& p
         const PlanPass::LightJob& job = plan.lightJobs()[i];
         if (!job.material && surfaces.state().capacity == 0)
             continue;
-        const gpu::Pipeline& light = job.material ? lightPipeline(frame, pool, *job.material, job.coloured)
-                                                  : cachedPipeline(frame, pool, surfaces);
+        using Surface = PlanPass::Surface;
+        const gpu::Pipeline& light =
+            job.material ? lightPipeline(frame, pool, *job.material, job.surface == Surface::coloured)
+                         : cachedPipeline(frame, pool, surfaces, job.surface == Surface::cachedAndShadows);
         bindSets(frame, vk::PipelineBindPoint::eCompute, light,
                  {job.material ? *job.material->set : surfaces.set(), *pool.blocks()[size_t(job.block)].set});
         pushConstants(commands, light, plan.push(i));

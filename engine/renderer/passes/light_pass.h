@@ -18,8 +18,8 @@ private:
     // Made when first needed and kept.
     const gpu::Pipeline& lightPipeline(const Frame& frame, const LitPool& pool, const GpuMaterial& material,
                                        bool coloured);
-    const gpu::Pipeline& cachedPipeline(const Frame& frame, const LitPool& pool,
-                                        const SurfaceCache& surfaces);
+    const gpu::Pipeline& cachedPipeline(const Frame& frame, const LitPool& pool, const SurfaceCache& surfaces,
+                                        bool shadows);
 
     std::map<uint32_t, gpu::Pipeline> light_, cached_; // by features
     gpu::Pipeline lower_;

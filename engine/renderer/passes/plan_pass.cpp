@@ -36,12 +36,12 @@ PlanPass::PlanPass(const gpu::Device& device, const SceneState& scene, const Fee
 {
 }
 
-uint32_t PlanPass::lightJobOf(const GpuMaterial* material, bool coloured, int block)
+uint32_t PlanPass::lightJobOf(Surface surface, const GpuMaterial* material, int block)
 {
     const auto [entry, isNew] =
-        lightJobIndex_.try_emplace({material, coloured, block}, uint32_t(lightJobs_.size()));
+        lightJobIndex_.try_emplace({surface, material, block}, uint32_t(lightJobs_.size()));
     if (isNew)
-        lightJobs_.push_back({material, coloured, block});
+        lightJobs_.push_back({surface, material, block});
     return entry->second;
 }
 
@@ -68,12 +68,15 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
             continue;
         const tsl::TextureLayout& layout = pool.block(residency[i].texture).layout;
         const int block = residency[i].texture.block;
-        jobs[i].light = lightJobOf(objects[i].material, objects[i].coloured, block);
-        jobs[i].cached = lightJobOf(nullptr, false, block);
+        jobs[i].light =
+            lightJobOf(objects[i].coloured ? Surface::coloured : Surface::found, objects[i].material, block);
+        jobs[i].cached = lightJobOf(Surface::cachedAndShadows, nullptr, block);
+        const uint32_t shadowsUnknown = lightJobOf(Surface::cached, nullptr, block); // the next
         const uint32_t tail = shared::derivedTail(layout.mips);
         jobs[i].lower = lowerJobOf(block, tail);
         lightJobs_[jobs[i].light].capacity += layout.tiles;
         lightJobs_[jobs[i].cached].capacity += layout.tiles;
+        lightJobs_[shadowsUnknown].capacity += layout.tiles;
         std::vector<uint32_t>& capacity = lowerJobs_[jobs[i].lower].capacity;
         for (uint32_t mip = 1; mip < tail; ++mip)
             capacity[mip - 1] += layout.tileOffsets[mip + 1] - layout.tileOffsets[mip];

@@ -9,9 +9,12 @@ namespace lumel {
 class PlanPass {
 public:
     // One indirect dispatch over a list of tiles.
-    struct LightJob {                // tiles of one material in one block, with or without vertex colours
-        const GpuMaterial* material; // null: those of the block whose surface is cached
-        bool coloured;
+    enum class Surface { found, coloured, cached, cachedAndShadows };
+    // Tiles in one block: of one material, with or without vertex colours; or those whose surface is cached,
+    // and their shadows or not.
+    struct LightJob {
+        Surface surface;
+        const GpuMaterial* material; // null: of any
         int block;
         uint32_t first = 0, capacity = 0; // in the tile list
     };
@@ -47,7 +50,7 @@ private:
         uint32_t light = 0, cached = 0, lower = 0;
     };
     static void writeObjects(Frame& frame, const LitPool& pool, const std::vector<ObjectJobs>& jobs);
-    uint32_t lightJobOf(const GpuMaterial* material, bool coloured, int block);
+    uint32_t lightJobOf(Surface surface, const GpuMaterial* material, int block);
     uint32_t lowerJobOf(int block, uint32_t tail);
 
     gpu::Pipeline mark_, classify_, budget_, select_;
@@ -55,7 +58,7 @@ private:
     gpu::Buffer plan_, readback_, upload_, jobs_, marks_, tiles_;
     std::vector<LightJob> lightJobs_;
     std::vector<LowerJobs> lowerJobs_;
-    std::map<std::tuple<const GpuMaterial*, bool, int>, uint32_t> lightJobIndex_;
+    std::map<std::tuple<Surface, const GpuMaterial*, int>, uint32_t> lightJobIndex_;
     std::map<int, uint32_t> lowerJobIndex_; // into lowerJobs_
     uint32_t jobCount_ = 0;
 };

@@ -114,12 +114,15 @@ void SceneLights::setShadows(const std::vector<shared::Shadow>& shadows, uint32_
 uint32_t SceneLights::features() const
 {
     return (environment_->exists() ? shared::kFeatureEnvironment : 0u) |
-           (shadows_.empty() ? 0u : shared::kFeatureShadows);
+           (shadows_.empty() ? 0u : shared::kFeatureShadows) |
+           (shadows_.size() < count_ ? shared::kFeatureUnshadowed : 0u) |
+           (count_ > 32 ? shared::kFeatureManyLights : 0u);
 }
 
 void SceneLights::write(shared::View& view) const
 {
     view.lightCount = count_;
+    view.lightsChanged = changed_;
     view.skyRadiance = sky_;
     view.groundRadiance = ground_;
     view.environment = environmentView_;
