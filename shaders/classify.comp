@@ -88,7 +88,10 @@ Verdict judge(LitObject object, uint mip, uvec2 tile, uint quads, TileState stat
                                          : min(uint(4.0 * log2(change / push.tolerance)), kPriorityChanged - 1u),
                        quads);
     uint more = quads & ~held;
-    return more != 0u ? Verdict(unlit, more | kMarkMore) : Verdict(kVerdictKeep, quads);
+    if (more == 0u)
+        return Verdict(kVerdictKeep, quads);
+    bool isLit = (state.held & kAllQuads) != 0u; // of a derived tile it is not known where it lies
+    return Verdict(unlit, isLit ? more | kMarkMore : quads);
 }
 
 void main()

@@ -284,6 +284,8 @@ LUMEL_CONST uint kPriorityAlways = 63u;
 struct Plan {
     uint marked; // tiles
     uint groups[3]; // of a dispatch over the marked tiles, 64 each
+    uint chosen;    // tiles to light
+    uint chosenGroups[3];
     uint histogram[kPriorities]; // quads
     uint threshold; // this priority and greater ones are lit
     float share;    // of the quads of exactly that priority

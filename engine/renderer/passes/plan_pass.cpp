@@ -31,6 +31,8 @@ PlanPass::PlanPass(const gpu::Device& device, const SceneState& scene, const Fee
                                        sizeof(shared::PlanPush))),
       select_(gpu::makeComputePipeline(device, "select.comp", {*scene.frameSet().layout()},
                                        sizeof(shared::PlanPush))),
+      enlist_(gpu::makeComputePipeline(device, "enlist.comp", {*scene.frameSet().layout()},
+                                       sizeof(shared::PlanPush))),
       surfaces_(device), plan_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::device, "plan"),
       readback_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::host, "plan readback")
 {
@@ -103,7 +105,7 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
     jobCount_ = uint32_t(table.size());
 
     using MemoryUsage = gpu::Buffer::MemoryUsage;
-    reserve(frame.device, marks_, tiles * sizeof(shared::Mark), MemoryUsage::device, "marks");
+    reserve(frame.device, marks_, 2 * tiles * sizeof(shared::Mark), MemoryUsage::device, "marks");
     reserve(frame.device, tiles_, first * sizeof(shared::JobTile), MemoryUsage::device, "tiles");
     reserve(frame.device, jobs_, table.size() * sizeof(shared::Job), MemoryUsage::device, "jobs");
     reserve(frame.device, upload_, table.size() * sizeof(shared::Job), MemoryUsage::host, "jobs upload");
@@ -172,6 +174,8 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
     gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::transferWrite);
     commands.fillBuffer(plan_.handle(), offsetof(shared::Plan, groups) + 2 * sizeof(uint32_t),
                         sizeof(uint32_t), 1);
+    commands.fillBuffer(plan_.handle(), offsetof(shared::Plan, chosenGroups) + sizeof(uint32_t),
+                        2 * sizeof(uint32_t), 1);
     if (jobCount_ > 0)
         commands.copyBuffer(upload_.handle(), jobs_.handle(),
                             vk::BufferCopy{.size = jobCount_ * sizeof(shared::Job)});
@@ -191,7 +195,7 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
                                 .budgetQuads = frame.lumelBudget / shared::kQuadLumels,
                                 .refreshShare = settings.refreshShare,
                                 .tolerance = settings.tolerance,
-                                .markCapacity = uint32_t(marks_.size() / sizeof(shared::Mark)),
+                                .markCapacity = uint32_t(marks_.size() / (2 * sizeof(shared::Mark))),
                                 .surfaces = surfaces_.state()};
     const auto bind = [&](const gpu::Pipeline& pipeline, std::initializer_list<vk::DescriptorSet> sets = {}) {
         bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, sets);
@@ -209,6 +213,9 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
         commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, groups));
         wait();
     }
+    bind(enlist_);
+    commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, chosenGroups));
+    wait();
 }
 
 void PlanPass::recordReadback(Frame& frame) const
