@@ -35,7 +35,7 @@ uint32_t litLevelFor(float level, glm::uvec2 litSize);
 // returns when it would exceed kReturn.
 inline constexpr float kLeave = 6.0f, kReturn = 9.0f;
 // Likewise when it needs a level so much coarser than ObjectFeedback::coarsest: drawing blends in the next
-// level's seams from half a level on, for fully from one.
+// level's seams from three quarters of a level on, fully from one.
 inline constexpr float kLeaveLevel = 0.75f, kReturnLevel = 0.5f;
 // A texture that is one level finer than needed is kept until the required level is this much coarser still.
 inline constexpr float kLevelHysteresis = 0.25f;

@@ -74,7 +74,7 @@ TEST_F(BudgetTest, FarTooLittleTimeRendersAPartAndShowsAWholePicture)
     EXPECT_EQ(display.width, 160);
     EXPECT_EQ(radiance.height, 90);
     EXPECT_GT(psnr(display, whole.readDisplay()), 24.0); // softer, in place
-    EXPECT_NEAR(mean(radiance) / mean(whole.readRadiance()), 1.0, 0.02);
+    EXPECT_NEAR(mean(radiance) / mean(whole.readRadiance()), 1.0, 0.03);
 }
 
 TEST_F(BudgetTest, AStillViewEndsAtThePictureWithoutABudget)
