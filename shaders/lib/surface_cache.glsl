@@ -42,6 +42,7 @@ SurfaceRecord packSurface(SurfacePoint point)
     vec2 turn = normalize(vec2(dot(lobe.tangentU, tangents[0]), dot(lobe.tangentU, tangents[1])));
     float c = turn.x, s = turn.y;
     vec3 p = lobe.inverseCovariance;
+    p.y *= dot(cross(lobe.normal, lobe.tangentU), lobe.tangentV) < 0.0 ? -1.0 : 1.0; // of a mirrored frame
     float xx = p.x * c * c - 2.0 * p.y * c * s + p.z * s * s;
     float xy = (p.x - p.z) * c * s + p.y * (c * c - s * s);
     float l11 = sqrt(max(xx, 1e-6));

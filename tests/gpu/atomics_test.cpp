@@ -145,6 +145,6 @@ TEST(Atomics, WhatIsChangedAtomicallyIsNotStoredByTheSameShader)
         }
     }
     for (const char* member :
-         {"TileState.derive", "TileState.marked", "Plan.marked", "Job.count", "ObjectFeedback.level"})
+         {"TileState.needed", "TileState.change", "Plan.marked", "Job.count", "ObjectFeedback.level"})
         EXPECT_TRUE(seen.contains(member)) << member; // the reader reads
 }

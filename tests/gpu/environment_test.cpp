@@ -128,7 +128,8 @@ TEST_F(Environment, AShadowFollowsWhatCastsIt)
     brighter.environmentRotation = 90.0f;
     renderer.setSettings(brighter);
     EXPECT_GT(renderer.render(camera).lumelsLit, 0u);
-    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, brighter).display), 50.0);
+    // At silhouettes samples a quarter as dense saw other lumels than the picture reads.
+    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, brighter).display), 45.0);
     renderer.setEnvironment(std::make_shared<const EnvironmentMap>(device(), nullptr));
     renderer.render(camera);
     s.scene.environment = nullptr;

@@ -79,7 +79,7 @@ protected:
     void makeLists(uint32_t marks, const std::vector<uint32_t>& jobs)
     {
         plan_ = list<shared::Plan>(1);
-        marks_ = list<shared::Mark>(marks + 64);
+        marks_ = list<shared::Mark>(2 * marks + 64); // and those of them that are chosen
         jobs_ = list<shared::Job>(std::max<size_t>(jobs.size(), 1));
         uint32_t first = 0;
         for (size_t i = 0; i < jobs.size(); first += jobs[i++])
@@ -288,6 +288,7 @@ TEST_F(PlanShaders, OnlyQuadsWithoutLightAreAdded)
     run("classify.comp", 1);
     EXPECT_EQ(marks_.mapped<shared::Mark>()[0].quads, 0x00e0u | shared::kMarkMore);
     run("select.comp", 1);
+    run("enlist.comp", 1);
     EXPECT_EQ(plan().quadsLit, 3u);
     EXPECT_EQ(tile.held, 0x00efu | 0x0010u << 16);
     EXPECT_EQ(tile.lit, kFrame - 1);

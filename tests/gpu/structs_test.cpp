@@ -129,6 +129,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(View, sizePixels);
     EXPECT_OFFSET(View, frame);
     EXPECT_OFFSET(View, levelOffset);
+    EXPECT_OFFSET(View, lightsChanged);
     EXPECT_OFFSET(View, objects);
     EXPECT_OFFSET(View, environment);
     EXPECT_OFFSET(View, shadowCount);
@@ -191,6 +192,8 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Mark, quads);
     EXPECT_OFFSET(Plan, marked);
     EXPECT_OFFSET(Plan, groups);
+    EXPECT_OFFSET(Plan, chosen);
+    EXPECT_OFFSET(Plan, chosenGroups);
     EXPECT_OFFSET(Plan, histogram);
     EXPECT_OFFSET(Plan, threshold);
     EXPECT_OFFSET(Plan, share);
