@@ -225,6 +225,9 @@ TEST_F(PlanShaders, JobsKeepToTheirLists)
             .tile = {.object = 0, .place = i}, .verdict = shared::kPriorityAlways, .quads = 0x11u};
     plan_.mapped<shared::Plan>()->marked = 8;
     run("select.comp", 8);
+    EXPECT_EQ(plan().chosen, 8u);
+    EXPECT_EQ(plan().chosenGroups[0], 1u);
+    run("enlist.comp", 8);
     EXPECT_EQ(plan().dropped, 5u);
     EXPECT_EQ(plan().tilesLit, 3u);
     EXPECT_EQ(plan().quadsLit, 3u * 2u);
