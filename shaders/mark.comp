@@ -11,6 +11,7 @@ layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D seen;
 
 const int kWidest = 32;             // quads along either axis that one sample may mark
 const float kLevelMargin = 0.1;     // the pixels of a block differ in level
+const float kStraightReach = 0.5;   // lumels: of a bilinear lookup
 const uint kFallback = 3u;          // MIPs
 const int kTileQuads = int(kTileSize / kQuadSize); // along either axis
 
@@ -42,11 +43,11 @@ uint rowQuads(int first, int last, int origin)
 }
 
 // The quads within `reach` of the parallelogram that the sample's block of pixels covers.
-void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, vec2 dy, vec2 axis)
+void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, vec2 dy, vec2 axis, float reach)
 {
     vec2 size = vec2(mipSize(object, mip)), centre = uv * size;
     vec2 halfX = 0.5 * push.divisor * dx * size, halfY = 0.5 * push.divisor * dy * size, along = axis * size;
-    vec2 extent = abs(halfX) + abs(halfY) + abs(along) + push.reach;
+    vec2 extent = abs(halfX) + abs(halfY) + abs(along) + reach;
     ivec2 lower = ivec2(floor(clamp(centre - extent, vec2(0.0), size - 1.0) / float(kQuadSize)));
     ivec2 upper = ivec2(floor(clamp(centre + extent, vec2(0.0), size - 1.0) / float(kQuadSize)));
     ivec2 middle = ivec2(clamp(centre, vec2(0.0), size - 1.0) / float(kQuadSize));
@@ -57,7 +58,7 @@ void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, v
     float acrossLength = length(across);
     bool isLong = acrossLength > 1.0;
     across = acrossLength > 1e-6 ? across / acrossLength : vec2(0.0);
-    float thickness = abs(dot(across, halfX)) + abs(dot(across, halfY)) + push.reach * (abs(across.x) + abs(across.y));
+    float thickness = abs(dot(across, halfX)) + abs(dot(across, halfY)) + reach * (abs(across.x) + abs(across.y));
     float perLumel = abs(across.x) > 0.01 ? 1.0 / across.x : 1e6; // x where the strip's middle is, for each dot
     ivec2 first = lower / kTileQuads, last = upper / kTileQuads;
     for (int y = first.y;;) {
@@ -110,9 +111,12 @@ void main()
         return;
     vec2 uv = unpackUnorm2x16(seenBy.y), dx = unpackHalf2x16(seenBy.z), dy = unpackHalf2x16(seenBy.w);
     Footprint footprint = footprintOf(dx, dy, vec2(object.litSize), view.anisotropy);
-    vec2 axis = footprint.taps > 1 ? footprint.axis : vec2(0.0);
-    float level = footprint.level + view.levelOffset;
-    float finest = mipPosition(object, level - kLevelMargin), coarsest = mipPosition(object, level + kLevelMargin);
+    // Taps along a long footprint are bilinear. Of a block, some pixels may have a shorter one.
+    bool block = push.divisor > 1.0, straight = footprint.taps > (block ? 2 : 1);
+    float reach = straight ? min(push.reach, kStraightReach) : push.reach;
+    vec2 axis = footprint.axis * (1.0 - 1.0 / float(footprint.taps)); // to the outermost taps
+    float level = footprint.level + view.levelOffset, margin = block ? kLevelMargin : 0.01;
+    float finest = mipPosition(object, level - margin), coarsest = mipPosition(object, level + margin);
     uint first = uint(finest);
     uint last = uint(coarsest) + (coarserWeight(coarsest) > 0.0 ? 1u : 0u);
     // The fallback is the last round of the same loop. There a quad is wider than four blocks.
@@ -121,7 +125,7 @@ void main()
     for (uint i = 0u;;) {
         float covers = i < rounds ? 1.0 : 0.0; // or the sample's own point
         uint mip = i < rounds ? first + i : min(last + kFallback, coarsestMip);
-        markBlock(object, objectIndex, mip, uv, covers * dx, covers * dy, covers * axis);
+        markBlock(object, objectIndex, mip, uv, covers * dx, covers * dy, covers * axis, reach);
         if (++i >= rounds + fallbacks)
             break;
     }
