@@ -10,7 +10,9 @@ layout(local_size_x = 64) in;
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D seen;
 
 const int kWidest = 32;             // quads along either axis that one sample may mark
-const float kLevelMargin = 0.1;     // the pixels of a block differ in level
+// The pixels of a block differ in level. Where one reads a MIP that is not marked for it, the other MIP of its blend
+// stands in: lumels without light have no weight.
+const float kLevelMargin = 0.02;
 const float kStraightReach = 0.5;   // lumels: of a bilinear lookup
 const uint kFallback = 3u;          // MIPs
 const int kTileQuads = int(kTileSize / kQuadSize); // along either axis
@@ -115,8 +117,8 @@ void main()
     bool block = push.divisor > 1.0, straight = footprint.taps > (block ? 2 : 1);
     float reach = straight ? min(push.reach, kStraightReach) : push.reach;
     vec2 axis = footprint.axis * (1.0 - 1.0 / float(footprint.taps)); // to the outermost taps
-    float level = footprint.level + view.levelOffset, margin = block ? kLevelMargin : 0.01;
-    float finest = mipPosition(object, level - margin), coarsest = mipPosition(object, level + margin);
+    float level = footprint.level + view.levelOffset;
+    float finest = mipPosition(object, level - kLevelMargin), coarsest = mipPosition(object, level + kLevelMargin);
     uint first = uint(finest);
     uint last = uint(coarsest) + (coarserWeight(coarsest) > 0.0 ? 1u : 0u);
     // The fallback is the last round of the same loop. There a quad is wider than four blocks.
