@@ -17,15 +17,12 @@ struct End {
 };
 End endOf(ivec2 pixel, ivec2 outwards, ivec2 along, float own)
 {
-    ivec2 next = pixel;
-    bool inwards, ends;
-    int i = 0;
-    do {
-        next += along;
-        inwards = numberAt(next) != own;
-        ends = inwards || numberAt(next + outwards) == own;
-    } while (++i < kReach && !ends);
-    return End(float(ends ? i - 1 : i), inwards && numberAt(next - outwards) == own);
+    for (int i = 1;; ++i) {
+        ivec2 next = pixel + i * along;
+        bool inwards = numberAt(next) != own, ends = inwards || numberAt(next + outwards) == own;
+        if (ends || i == kReach)
+            return End(float(ends ? i - 1 : i), inwards && numberAt(next - outwards) == own);
+    }
 }
 
 // Area between the edge and a line that falls from half a pixel at 0 to none at half of `edge`, up to x.
