@@ -7,6 +7,7 @@
 layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Constants { DisplayPush push; };
 layout(set = 1, binding = 0) uniform sampler2D radiance; // half or single precision
+const uint kToneMap = kFeatures; // kToneMap...: its pipelines differ in nothing else
 layout(set = 1, binding = 1) uniform writeonly image2D display;
 
 void main()
@@ -15,5 +16,5 @@ void main()
     if (pixel.x >= push.size.x)
         return;
     vec3 linear = texelFetch(radiance, pixel, 0).rgb * push.weight;
-    imageStore(display, pixel, vec4(displayColour(linear, view.exposure, push.toneMap), 1.0));
+    imageStore(display, pixel, vec4(displayColour(linear, view.exposure, kToneMap), 1.0));
 }

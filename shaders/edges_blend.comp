@@ -19,11 +19,9 @@ End endOf(ivec2 pixel, ivec2 outwards, ivec2 along, float own)
 {
     for (int i = 1;; ++i) {
         ivec2 next = pixel + i * along;
-        bool inwards = numberAt(next) != own;
-        if (inwards || numberAt(next + outwards) == own)
-            return End(float(i - 1), inwards && numberAt(next - outwards) == own);
-        if (i == kReach)
-            return End(float(i), false);
+        bool inwards = numberAt(next) != own, ends = inwards || numberAt(next + outwards) == own;
+        if (ends || i == kReach)
+            return End(float(ends ? i - 1 : i), inwards && numberAt(next - outwards) == own);
     }
 }
 
@@ -32,6 +30,11 @@ float areaTo(float x, float edge)
 {
     x = min(x, 0.5 * edge);
     return 0.5 * (x - x * x / edge);
+}
+
+ivec2 outwardsTo(int side)
+{
+    return (side & 1) == 0 ? ivec2(side - 1, 0) : ivec2(0, side - 2);
 }
 
 float coverageBy(ivec2 pixel, ivec2 outwards, float own)
@@ -53,14 +56,18 @@ void main()
     vec4 own = radianceAt(pixel);
     vec4 others = vec4(0.0);
     float coverage = 0.0;
+    uint sides = 0u; // where others are
     for (int i = 0; i < 4; ++i) {
-        ivec2 outwards = (i & 1) == 0 ? ivec2(i - 1, 0) : ivec2(0, i - 2);
-        vec4 beside = radianceAt(pixel + outwards);
-        if (floor(beside.a) != floor(own.a)) {
-            others += vec4(beside.rgb, 1.0);
-            coverage = max(coverage, coverageBy(pixel, outwards, floor(own.a)));
-        }
+        vec4 beside = radianceAt(pixel + outwardsTo(i));
+        bool differs = floor(beside.a) != floor(own.a);
+        others += differs ? vec4(beside.rgb, 1.0) : vec4(0.0);
+        sides |= differs ? 1u << uint(i) : 0u;
     }
+    // A listed pixel has at least one, and most have no more: software Vulkan would go the way along all four.
+    do {
+        coverage = max(coverage, coverageBy(pixel, outwardsTo(findLSB(sides)), floor(own.a)));
+        sides &= sides - 1u;
+    } while (sides != 0u);
     vec3 blended = mix(own.rgb, others.rgb / max(others.a, 1.0), kConfidence * coverage);
     push.pixels.at[index].radiance = uvec2(packHalf2x16(blended.rg), packHalf2x16(vec2(blended.b, own.a)));
 }

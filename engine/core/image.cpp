@@ -194,7 +194,7 @@ float srgbToLinear(float encoded)
 
 float linearToSrgb(float linear)
 {
-    return shared::encodeSrgb(linear); // the one that the display pass runs
+    return shared::encodeSrgb(linear);
 }
 
 } // namespace lumel

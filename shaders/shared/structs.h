@@ -503,6 +503,8 @@ struct EdgePixel {
     uint place;     // y << 16 | x
     uvec2 radiance; // to come, in half floats
 };
+// Pixels that an invocation of edges_find.comp looks at.
+LUMEL_CONST uvec2 kEdgeBlock = uvec2(4u, 8u);
 struct EdgePush {
     LUMEL_ADDRESS(EdgeLists) list;
     LUMEL_ADDRESS(EdgePixels) pixels;
@@ -513,7 +515,6 @@ struct EdgePush {
 struct DisplayPush {
     float weight; // of the accumulated sum: 1 / samples
     uvec2 size;   // pixels of the source that hold the picture
-    uint toneMap; // kToneMap...
 };
 
 // Rows of pixels that a group of meter.comp counts.

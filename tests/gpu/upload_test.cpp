@@ -55,7 +55,7 @@ TEST_F(UploadTest, ComputeReadsWhatWasJustUploaded)
         commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline.layout, 0, {*frameSet, *set},
                                     nullptr);
         pushConstants(commands, pipeline,
-                      shared::DisplayPush{.weight = 1.0f, .size = {64, 1}, .toneMap = 0u});
+                      shared::DisplayPush{.weight = 1.0f, .size = {64, 1}});
         commands.dispatch(1, 1, 1);
         gpu::imageBarrier(commands, shown.handle(), shown.aspect(), gpu::Use::computeWrite,
                           gpu::Use::transferRead);

@@ -1,5 +1,6 @@
 #include "display_pass.h"
 #include "gpu/sampler.h"
+#include "shared/tonemap.h"
 
 namespace lumel {
 namespace {
@@ -21,12 +22,23 @@ DisplayPass::DisplayPass(const gpu::Device& device, const SceneState& scene, con
       accumulate_(gpu::makeComputePipeline(device, "accumulate.comp",
                                            {*scene.frameSet().layout(), *accumulateLayout_},
                                            sizeof(shared::DisplayPush))),
-      display_(gpu::makeComputePipeline(device, "display.comp", {*scene.frameSet().layout(), *displayLayout_},
-                                        sizeof(shared::DisplayPush))),
       upscale_(gpu::makeComputePipeline(device, "upscale.comp", {*scene.frameSet().layout(), *displayLayout_},
                                         sizeof(shared::ScalePush)))
 {
+    pipeline(device, scene, shared::kToneMapNeutral); // the default
     connect(device, targets);
+}
+
+// Software Vulkan would run every tone mapper at every pixel, were they branches.
+const gpu::Pipeline& DisplayPass::pipeline(const gpu::Device& device, const SceneState& scene,
+                                           uint32_t toneMap)
+{
+    gpu::Pipeline& display = display_[toneMap];
+    if (!*display.handle)
+        display =
+            gpu::makeComputePipeline(device, "display.comp", {*scene.frameSet().layout(), *displayLayout_},
+                                     sizeof(shared::DisplayPush), toneMap);
+    return display;
 }
 
 void DisplayPass::connect(const gpu::Device& device, const Targets& targets)
@@ -76,8 +88,7 @@ void DisplayPass::accumulate(Frame& frame)
                       gpu::Use::computeRead);
     gpu::memoryBarrier(frame.commands, gpu::Use::computeReadWrite, gpu::Use::computeReadWrite);
     bindSets(frame, vk::PipelineBindPoint::eCompute, accumulate_, {*accumulateSet_});
-    pushConstants(frame.commands, accumulate_,
-                  shared::DisplayPush{.weight = 1.0f, .size = frame.renderSize, .toneMap = 0u});
+    pushConstants(frame.commands, accumulate_, shared::DisplayPush{.weight = 1.0f, .size = frame.renderSize});
     dispatchOver(frame.commands, frame.settings.size);
 }
 
@@ -111,14 +122,14 @@ void DisplayPass::record(Frame& frame, int sampleCount)
         for (const gpu::Image* image : {&frame.targets.small, &frame.targets.wide})
             gpu::imageBarrier(commands, image->handle(), image->aspect(), gpu::Use::undefined,
                               gpu::Use::computeWrite);
-    bindSets(frame, vk::PipelineBindPoint::eCompute, display_,
+    const gpu::Pipeline& toneMapped = pipeline(frame.device, frame.scene, uint32_t(frame.settings.toneMap));
+    bindSets(frame, vk::PipelineBindPoint::eCompute, toneMapped,
              {small         ? *smallSet_
               : sampleCount ? *sumSet_
                             : *hdrSet_});
-    pushConstants(commands, display_,
-                  shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)),
-                                      .size = frame.renderSize,
-                                      .toneMap = uint32_t(frame.settings.toneMap)});
+    pushConstants(
+        commands, toneMapped,
+        shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)), .size = frame.renderSize});
     dispatchOver(commands, frame.renderSize);
     if (small)
         recordUpscale(frame);

@@ -2,6 +2,7 @@
 // frames behind the reference.
 #pragma once
 #include "frame_context.h"
+#include <map>
 
 namespace lumel {
 
@@ -15,13 +16,16 @@ public:
     void record(Frame& frame, int sampleCount); // 0: shows hdr's part of renderSize, else the sum's mean
 
 private:
+    // To display by kToneMap...
+    const gpu::Pipeline& pipeline(const gpu::Device& device, const SceneState& scene, uint32_t toneMap);
     void recordUpscale(Frame& frame);
 
     vk::raii::Sampler sampler_;
     gpu::SetLayout accumulateLayout_, displayLayout_;
     vk::raii::DescriptorSet accumulateSet_ = nullptr, hdrSet_ = nullptr, sumSet_ = nullptr;
     vk::raii::DescriptorSet smallSet_ = nullptr, upscaleXSet_ = nullptr, upscaleYSet_ = nullptr;
-    gpu::Pipeline accumulate_, display_, upscale_;
+    gpu::Pipeline accumulate_, upscale_;
+    std::map<uint32_t, gpu::Pipeline> display_; // by tone mapper, made when first needed
 };
 
 } // namespace lumel

@@ -59,7 +59,8 @@ void EdgePass::record(Frame& frame)
                                        .capacity = capacity});
     };
     bind(find_);
-    commands.dispatch(groupsOf64((frame.renderSize.x + 1) / 2), (frame.renderSize.y + 1) / 2, 1);
+    const glm::uvec2 blocks = (frame.renderSize + shared::kEdgeBlock - 1u) / shared::kEdgeBlock;
+    commands.dispatch(groupsOf64(blocks.x), blocks.y, 1);
     gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::general);
     bind(blend_);
     commands.dispatchIndirect(list_.handle(), 0);

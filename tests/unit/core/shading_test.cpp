@@ -97,6 +97,14 @@ TEST(Lights, SpotLightsAreFullInsideAndDarkOutside)
     EXPECT_EQ(at(0.6f), 0.0f);
 }
 
+TEST(ToneMap, EncodesForDisplayWithinAFractionOfAStep)
+{
+    for (int i = 0; i <= 100000; ++i) {
+        const float linear = float(i) / 100000.0f;
+        EXPECT_NEAR(encodeForDisplay(linear), encodeSrgb(linear), 0.05f / 255.0f) << linear;
+    }
+}
+
 TEST(ToneMap, KeepsOrderStaysInRangeAndMapsBlackToBlack)
 {
     EXPECT_EQ(displayColour(vec3(0.0f), 1.0f), vec3(0.0f));
