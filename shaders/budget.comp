@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Plan, between its steps, one invocation. With the marks counted: the dispatch over them. With the priorities
-// counted: the threshold that fits the frame's budget, and the share of tiles lit at that priority.
+// counted: the threshold that fits the frame's budget, and the share of quads lit at that priority.
 #include "lib/interface.glsl"
 
 layout(local_size_x = 1) in;

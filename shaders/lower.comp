@@ -6,7 +6,7 @@
 #define LUMEL_TILE_STATES coherent // a tail's MIPs are made of each other
 #include "lib/tiles.glsl"
 
-layout(local_size_x_id = 3) in; // lanes, as in light.comp
+layout(local_size_x_id = 3) in; // lanes, as in lib/light_tiles.glsl
 layout(push_constant, scalar) uniform Constants { LightPush push; };
 layout(set = 1, binding = 0, rgba16f) coherent uniform image2DArray lit;
 

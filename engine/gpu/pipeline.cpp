@@ -156,7 +156,8 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
                              const std::vector<vk::DescriptorSetLayout>& sets, uint32_t pushBytes,
                              uint32_t features)
 {
-    // Devices that run 8 invocations at a time or fewer go over a tile row by row (light.comp).
+    // Devices that run 8 invocations at a time or fewer go over a tile two quads at a time
+    // (lib/light_tiles.glsl).
     const uint32_t lanes = device.limits().subgroupSize <= 8 ? 8 : 64;
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);

@@ -51,7 +51,7 @@ gpu::Demands rendererDemands()
         .vertexBindings = uint32_t(kMeshBindings.size()),
         .vertexStride = uint32_t(std::max(sizeof(shared::Vertex), sizeof(shared::Object))),
         .samples = vk::SampleCountFlagBits::e1 | vk::SampleCountFlagBits::e4, // --msaa
-        // light.comp adds the changes of a tile's lumels up; subgroups may have any size.
+        // lib/light_tiles.glsl adds the changes of a tile's lumels up; subgroups may have any size.
         .computeSubgroups = vk::SubgroupFeatureFlagBits::eBasic | vk::SubgroupFeatureFlagBits::eArithmetic,
         .timestamps = true,
         .formats = formatDemands()};

@@ -295,7 +295,8 @@ struct Plan {
     uint dropped; // entries beyond the capacity of a list; 0, since lists hold all existing tiles
 };
 
-// A list of tiles for one dispatch: of one material and pool block (light), or of one block and MIP (lower).
+// A list of tiles for one dispatch: of one block and material or of cached surfaces (light), or of one block and MIP
+// (lower).
 struct Job {
     uint groups[3]; // of the dispatch; a group takes tile after tile
     uint count;     // tiles appended, of which the list holds at most `capacity`
