@@ -12,7 +12,7 @@ layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D seen;
 const int kWidest = 32;             // quads along either axis that one sample may mark
 // The pixels of a block differ in level. Where one reads a MIP that is not marked for it, the other MIP of its blend
 // stands in: lumels without light have no weight.
-const float kLevelMargin = 0.02;
+const float kLevelMargin = 0.1;
 const float kStraightReach = 0.5;   // lumels: of a bilinear lookup
 const uint kFallback = 3u;          // MIPs
 const int kTileQuads = int(kTileSize / kQuadSize); // along either axis
@@ -44,11 +44,11 @@ uint rowQuads(int first, int last, int origin)
     return b < a ? 0u : ((2u << uint(b - a)) - 1u) << uint(a);
 }
 
-// The quads within `reach` of the parallelogram that the sample's block of pixels covers.
+// The quads within `reach` of the parallelogram of the pixel centres that the sample stands for.
 void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, vec2 dy, vec2 axis, float reach)
 {
     vec2 size = vec2(mipSize(object, mip)), centre = uv * size;
-    vec2 halfX = 0.5 * push.divisor * dx * size, halfY = 0.5 * push.divisor * dy * size, along = axis * size;
+    vec2 halfX = 0.5 * (push.divisor - 1.0) * dx * size, halfY = 0.5 * (push.divisor - 1.0) * dy * size, along = axis * size;
     vec2 extent = abs(halfX) + abs(halfY) + abs(along) + reach;
     ivec2 lower = ivec2(floor(clamp(centre - extent, vec2(0.0), size - 1.0) / float(kQuadSize)));
     ivec2 upper = ivec2(floor(clamp(centre + extent, vec2(0.0), size - 1.0) / float(kQuadSize)));
