@@ -20,8 +20,8 @@ bool changedSince(LitObject object, TileState tile, uint since)
         return true;
     bool changed = false;
     for (uint i = view.lightsChanged > since ? 0u : view.lightCount; i < view.lightCount;) {
-        changed = changed || (lights[i].changed > since && lightReaches(lights[i], tile.centre, tile.radius));
-        if (++i == view.lightCount)
+        changed = lights[i].changed > since && lightReaches(lights[i], tile.centre, tile.radius);
+        if (changed || ++i == view.lightCount)
             break;
     }
     return changed;

@@ -36,33 +36,26 @@ struct Blend {
     float coarser;
 };
 
-// The finest MIP from `mip` on that has light here, and its share. On software Vulkan, lanes outside the triangle
-// run along with zeros for everything loaded: every loop here must end for them too.
-struct Shown {
-    uint mip;
-    float share;
-};
-Shown finestShown(uint mip)
-{
-    float share = 0.0;
-    uint last = push.mips - 1u;
-    for (; mip < last; ++mip) {
-        share = shownShare(mip);
-        if (share > 0.0)
-            break;
-    }
-    return Shown(mip, mip == last ? 1.0 : share);
-}
-
-// The coarser MIP takes over with distance, and while the finer one's tiles fade in.
+// The finest MIP that has light here; the next coarser one that has some takes over with distance, and while the finer
+// one's tiles fade in. One loop finds both: most pixels need one round. On software Vulkan, lanes outside the triangle run
+// along with zeros for everything loaded: every loop here must end for them too.
 Blend shownOf(Blend blend)
 {
-    Shown fine = finestShown(blend.fine);
-    float coarser = max(fine.mip == blend.fine ? blend.coarser : 0.0, 1.0 - fine.share);
-    uint coarse = fine.mip;
-    if (coarser > 0.0)
-        coarse = finestShown(min(fine.mip + 1u, push.mips - 1u)).mip;
-    return Blend(fine.mip, coarse, coarser);
+    uint last = push.mips - 1u;
+    Blend shown = Blend(last, last, 0.0);
+    bool isFine = true;
+    for (uint mip = blend.fine;; ++mip) {
+        float share = mip >= last ? 1.0 : shownShare(min(mip, last));
+        if (share > 0.0 && isFine)
+            shown = Blend(mip, mip, max(mip == blend.fine ? blend.coarser : 0.0, 1.0 - share));
+        else if (share > 0.0)
+            shown.coarse = mip;
+        bool found = share > 0.0 && (!isFine || shown.coarser == 0.0);
+        isFine = isFine && share == 0.0;
+        if (found || mip >= last)
+            break;
+    }
+    return shown;
 }
 
 LitMip litMip(uint mip)

@@ -105,6 +105,18 @@ uint shadowsReaching(uint slot, uint since)
     return shadows;
 }
 
+// No light with a shadow map has changed since, nor what casts its shadows.
+bool shadowsUnchanged(uint since)
+{
+    uint latest = 0u;
+    for (uint i = view.lightsChanged > since ? 0u : view.shadowCount; i < view.shadowCount;) {
+        latest = max(latest, lights[view.shadows[i].light].changed);
+        if (++i == view.shadowCount)
+            break;
+    }
+    return latest <= since;
+}
+
 // Frames after which what moved counts as at rest.
 const uint kRestFrames = 4u;
 
@@ -133,7 +145,7 @@ bool light(LitObject object, uint index, Mark mark)
     uint known = surface != 0u && surface == state.surface ? state.cached : 0u;
     uint job = object.lightJob;
     if ((quads & ~known) == 0u) {
-        bool shadowsKnown = (quads & ~(known >> 16u)) == 0u && view.lightsChanged <= state.checked;
+        bool shadowsKnown = (quads & ~(known >> 16u)) == 0u && shadowsUnchanged(state.checked);
         job = object.cachedJob + (shadowsKnown || view.shadowCount == 0u ? 0u : 1u);
     }
     uint slot = append(job, mark.tile, quads | (more ? 0u : holding << 16u));

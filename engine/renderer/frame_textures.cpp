@@ -35,9 +35,10 @@ void Renderer::assignTextures(Frame& frame)
     }
     for (size_t i = 0; quality_.dynamicPerPixel && i < frame.feedback.size(); ++i)
         frame.feedback[i].dynamic = dynamicObjects_.is(i);
-    residency_.assign(pool_.bookkeeping(), frame.feedback, frame.index);
-    // Textures come first under the memory cap; cached surfaces have what they leave.
-    const tsl::TexturePool& textures = pool_.bookkeeping();
+    // Under the memory cap textures in view come first, then cached surfaces, then textures out of view.
+    tsl::TexturePool& textures = pool_.bookkeeping();
+    textures.leaveFree(std::min(SurfaceCache::roomFor(tilesMarked_), textures.capBytes() / 2));
+    residency_.assign(textures, frame.feedback, frame.index);
     plan_.surfaces().reserve(tilesMarked_,
                              textures.capBytes() - std::min(textures.usedBytes(), textures.capBytes()));
     pool_.update();

@@ -55,10 +55,10 @@ TextureId TexturePool::findRecyclable(glm::uvec2 size, uint64_t frame, bool free
     return best;
 }
 
-// Gives up blocks that this frame does not use, least recently used first, until `bytes` fit below the cap.
-bool TexturePool::evictFor(size_t bytes, uint64_t frame)
+// Gives up blocks that this frame does not use, least recently used first, until `bytes` fit below the limit.
+bool TexturePool::evictFor(size_t bytes, size_t limit, uint64_t frame)
 {
-    while (usedBytes_ + bytes > capBytes_) {
+    while (usedBytes_ + bytes > limit) {
         int oldest = -1;
         uint64_t oldestUse = frame;
         for (size_t b = 0; b < blocks_.size(); ++b) {
@@ -123,10 +123,11 @@ TextureId TexturePool::acquire(int object, uint32_t litLevel, glm::uvec2 size, u
         return claim(unused, object, litLevel, frame);
     // New memory before taking over: an object out of view for a moment then keeps its lumels.
     const size_t bytes = TextureLayout(size).blockBytes();
-    if (usedBytes_ + bytes > capBytes_)
+    const size_t limit = capBytes_ - leftFree_;
+    if (usedBytes_ + bytes > limit)
         if (const TextureId old = findRecyclable(size, frame, false))
             return claim(old, object, litLevel, frame);
-    if (!evictFor(bytes, frame))
+    if (!evictFor(bytes, limit, frame) && !evictFor(bytes, capBytes_, frame))
         return {};
     addBlock(size);
     return claim(findRecyclable(size, frame, true), object, litLevel, frame);

@@ -57,6 +57,8 @@ public:
     const PoolTexture& texture(TextureId id) const { return blocks_[size_t(id.block)].textures[id.layer]; }
     // The object's most recently used texture.
     TextureId latestOf(int object) const;
+    // What is left below the cap as long as textures that no frame draws can make room instead.
+    void leaveFree(size_t bytes) { leftFree_ = bytes < capBytes_ ? bytes : capBytes_; }
     // Uses a texture in a frame that needed nothing new of it.
     void touch(TextureId id, uint64_t frame) { at(id).lastUsed = frame; }
 
@@ -68,11 +70,12 @@ private:
     PoolTexture& at(TextureId id) { return blocks_[size_t(id.block)].textures[id.layer]; }
     TextureId claim(TextureId id, int object, uint32_t litLevel, uint64_t frame);
     TextureId findRecyclable(glm::uvec2 size, uint64_t frame, bool freeOnly) const;
-    bool evictFor(size_t bytes, uint64_t frame);
+    bool evictFor(size_t bytes, size_t limit, uint64_t frame);
     void addBlock(glm::uvec2 size);
     void disown(TextureId id);
 
     size_t capBytes_;
+    size_t leftFree_ = 0;
     size_t usedBytes_ = 0;
     std::vector<PoolBlock> blocks_;
     std::multimap<int, TextureId> owned_; // by object

@@ -23,6 +23,14 @@ void SurfaceCache::allocate(uint32_t capacity)
     gpu::writeTexels(device_, *set_, 0, *view_);
 }
 
+size_t SurfaceCache::roomFor(size_t tiles)
+{
+    // In steps, so that a few tiles more or less change nothing.
+    constexpr size_t kStep = size_t(16) << 20;
+    const size_t bytes = (tiles + tiles / 2) * kTileBytes;
+    return (bytes + kStep - 1) / kStep * kStep;
+}
+
 void SurfaceCache::reserve(size_t tiles, size_t capBytes)
 {
     // Below this many it is not worth its passes.
@@ -32,9 +40,10 @@ void SurfaceCache::reserve(size_t tiles, size_t capBytes)
         std::min(capBytes / kTileBytes, size_t(device_.limits().core.maxTexelBufferElements) / words);
     // Frames leave an eighth of the ring to what they add; views move on.
     const size_t needed = std::min(tiles + tiles / 4, most), wanted = std::min(2 * tiles, most);
-    if (state_.capacity > most)
-        allocate(uint32_t(most >= kLeastTiles ? most : 0));
-    else if (needed > state_.capacity && wanted >= kLeastTiles)
+    const size_t fewest = std::min(roomFor(tiles) / kTileBytes, most);
+    if (state_.capacity > most) // textures grow: not past roomFor() if they can help it
+        allocate(uint32_t(fewest >= kLeastTiles ? fewest : 0));
+    else if (needed > state_.capacity + state_.capacity / 8 && wanted >= kLeastTiles)
         allocate(uint32_t(wanted));
 }
 

@@ -12,6 +12,8 @@ public:
     // Room for `tiles`, within so many bytes; never smaller than it is while it fits. What it held is lost
     // when it is allocated anew. Call when no frame is in flight.
     void reserve(size_t tiles, size_t capBytes);
+    // Bytes that are to be left to it, when so many tiles are in view.
+    static size_t roomFor(size_t tiles);
     void clear() { reserve(0, 0); }
     // After a frame that took so many numbers.
     void taken(uint32_t numbers);

@@ -98,6 +98,20 @@ TEST(TexturePool, OtherClassesGiveUpMemoryWhenTheCapBinds)
     EXPECT_FALSE(pool.latestOf(0));
 }
 
+TEST(TexturePool, LeavesRoomWhileTexturesOutOfViewCanMakeIt)
+{
+    TexturePool pool(4 * kBigBytes);
+    pool.leaveFree(2 * kBigBytes);
+    for (int i = 0; i < 3; ++i)
+        ASSERT_TRUE(pool.acquire(i, 0, kBig, uint64_t(i)));
+    EXPECT_EQ(pool.usedBytes(), 2 * kBigBytes);
+    EXPECT_FALSE(pool.latestOf(0)); // the one least recently used
+    // What one frame draws comes first.
+    for (int i = 0; i < 4; ++i)
+        ASSERT_TRUE(pool.acquire(i, 0, kBig, 9));
+    EXPECT_EQ(pool.usedBytes(), 4 * kBigBytes);
+}
+
 TEST(TexturePool, NeverPassesTheCapOverManyFrames)
 {
     TexturePool pool(20 * kBigBytes);
