@@ -44,11 +44,12 @@ uint rowQuads(int first, int last, int origin)
     return b < a ? 0u : ((2u << uint(b - a)) - 1u) << uint(a);
 }
 
-// The quads within `reach` of the parallelogram of the pixel centres that the sample stands for.
+// The quads within `reach` of the parallelogram that the sample stands for.
 void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, vec2 dy, vec2 axis, float reach)
 {
     vec2 size = vec2(mipSize(object, mip)), centre = uv * size;
-    vec2 halfX = 0.5 * (push.divisor - 1.0) * dx * size, halfY = 0.5 * (push.divisor - 1.0) * dy * size, along = axis * size;
+    float halfBlock = push.divisor > 1.0 ? 0.5 * push.divisor : 0.0; // pixels; a pixel reads around its centre
+    vec2 halfX = halfBlock * dx * size, halfY = halfBlock * dy * size, along = axis * size;
     vec2 extent = abs(halfX) + abs(halfY) + abs(along) + reach;
     ivec2 lower = ivec2(floor(clamp(centre - extent, vec2(0.0), size - 1.0) / float(kQuadSize)));
     ivec2 upper = ivec2(floor(clamp(centre + extent, vec2(0.0), size - 1.0) / float(kQuadSize)));

@@ -10,19 +10,33 @@ layout(push_constant, scalar) uniform Constants { ScalePush push; };
 layout(set = 1, binding = 0) uniform sampler2D source;
 layout(set = 1, binding = 1) uniform writeonly image2D scaled;
 
+// One of the source's texels along the axis that is scaled.
+vec3 texelAlong(bool sideways, ivec2 pixel, int place, int from)
+{
+    place = clamp(place, 0, from - 1);
+    return texelFetch(source, sideways ? ivec2(place, pixel.y) : ivec2(pixel.x, place), 0).rgb;
+}
+
+// Two pixels beside each other along that axis: scaled up, they share three of the four texels that each reads, or all.
 void main()
 {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    bool sideways = push.from.x != push.to.x;
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) * (sideways ? ivec2(2, 1) : ivec2(1, 2));
     if (pixel.x >= push.to.x)
         return;
-    bool sideways = push.from.x != push.to.x;
-    uint from = sideways ? push.from.x : push.from.y, to = sideways ? push.to.x : push.to.y;
-    float p = (float(sideways ? pixel.x : pixel.y) + 0.5) * float(from) / float(to) - 0.5;
-    mat4x2 weights = catmullRomWeights(vec2(fract(p)));
-    vec3 sum = vec3(0.0);
-    for (int i = 0; i < 4; ++i) {
-        int place = clamp(int(floor(p)) + i - 1, 0, int(from) - 1);
-        sum += weights[i].x * texelFetch(source, sideways ? ivec2(place, pixel.y) : ivec2(pixel.x, place), 0).rgb;
-    }
-    imageStore(scaled, pixel, vec4(sum, 1.0));
+    int from = int(sideways ? push.from.x : push.from.y), to = int(sideways ? push.to.x : push.to.y);
+    int along = sideways ? pixel.x : pixel.y;
+    vec2 p = (vec2(along, along + 1) + 0.5) * float(from) / float(to) - 0.5;
+    int first = int(floor(p.x)) - 1;
+    bool next = int(floor(p.y)) - 1 != first; // the second's first texel
+    vec3 t0 = texelAlong(sideways, pixel, first, from), t1 = texelAlong(sideways, pixel, first + 1, from),
+         t2 = texelAlong(sideways, pixel, first + 2, from), t3 = texelAlong(sideways, pixel, first + 3, from),
+         t4 = texelAlong(sideways, pixel, first + 4, from);
+    mat4x2 weights = catmullRomWeights(fract(p)); // of both
+    vec3 a = weights[0].x * t0 + weights[1].x * t1 + weights[2].x * t2 + weights[3].x * t3;
+    vec3 b = next ? weights[0].y * t1 + weights[1].y * t2 + weights[2].y * t3 + weights[3].y * t4
+                  : weights[0].y * t0 + weights[1].y * t1 + weights[2].y * t2 + weights[3].y * t3;
+    imageStore(scaled, pixel, vec4(a, 1.0));
+    if (along + 1 < to)
+        imageStore(scaled, pixel + (sideways ? ivec2(1, 0) : ivec2(0, 1)), vec4(b, 1.0));
 }

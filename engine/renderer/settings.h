@@ -53,7 +53,7 @@ struct Settings {
     float levelOffset = 0.25f;       // levels that lumels are coarser than one per pixel, at least
     float lumelsPerPixel = 2.8f;     // grazing angles lose detail before a view needs more
     uint32_t lumelBudget = ~0u;      // lit per frame at most, whole tiles
-    float refreshShare = 0.17f;      // of the marked tiles, lit again per frame because the eye moved
+    float refreshShare = 0.158f;     // of the marked tiles, lit again per frame because the eye moved
     float tolerance = 0.5f / 255.0f; // display value: tiles expected to change less are kept
     double budgetMs = 0.0;           // to hold a frame's time within; 0 = none
 };

@@ -77,8 +77,8 @@ public:
     void finished(const FrameCost& cost);
 
     // The budget has been out of reach for a while with every knob at its end.
-    bool outOfReach() const { return framesAtFloor_ >= kPatience; }
-    double floorMs() const; // what a frame costs then
+    bool outOfReach() const { return framesAtFloor_ >= 3 * kPatience; } // what waits has been lit by then
+    double floorMs() const;                                             // what a frame costs then
 
 private:
     static constexpr int kPatience = 20; // frames
