@@ -52,8 +52,8 @@ struct Settings {
     size_t poolBytes = size_t(256) << 20;
     float levelOffset = 0.25f;       // levels that lumels are coarser than one per pixel, at least
     float lumelsPerPixel = 2.8f;     // grazing angles lose detail before a view needs more
-    uint32_t lumelBudget = ~0u;      // lit per frame at most, whole tiles
-    float refreshShare = 0.158f;     // of the marked tiles, lit again per frame because the eye moved
+    uint32_t lumelBudget = ~0u;      // lit per frame at most, by quads
+    float refreshShare = 0.155f;     // of the marked lumels, lit again per frame because the eye moved
     float tolerance = 0.5f / 255.0f; // display value: tiles expected to change less are kept
     double budgetMs = 0.0;           // to hold a frame's time within; 0 = none
 };

@@ -13,7 +13,8 @@ protected:
     Outcome shotOn(const std::string& device, const std::string& size = "32x32")
     {
         writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
-        return run({"shot", "square.gltf", "-o", "out.png", "--size", size, "--device", device});
+        return run(
+            {"shot", "square.gltf", "-o", "out.png", "--size", size, "--device", device, "--msaa", "4"});
     }
 };
 

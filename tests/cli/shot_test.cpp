@@ -204,14 +204,14 @@ TEST_F(Shot, WrongPathsFail)
 TEST_F(Shot, ABudgetOutOfReachIsReportedOnceAndCounted)
 {
     writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
-    const Outcome outcome = run({"shot", "square.gltf", "--size", "64x48", "--frames", "60", "--path",
+    const Outcome outcome = run({"shot", "square.gltf", "--size", "64x48", "--frames", "100", "--path",
                                  "orbit", "--budget-ms", "0.1", "--stats", "s.json", "-o", "a.png"});
     ASSERT_EQ(outcome.exitCode, 0) << outcome.err;
     const size_t said = outcome.err.find("out of reach");
     ASSERT_NE(said, std::string::npos) << outcome.err;
     EXPECT_EQ(outcome.err.find("out of reach", said + 1), std::string::npos) << outcome.err;
     const auto stats = nlohmann::json::parse(readText(folder_ / "s.json"));
-    EXPECT_EQ(stats["summary"]["missed"], 60);
+    EXPECT_EQ(stats["summary"]["missed"], 100);
     EXPECT_EQ(stats["frames"].front()["render_scale"], 1.0);
     EXPECT_EQ(stats["frames"].back()["render_scale"], 0.5);
     EXPECT_TRUE(stats["frames"].back()["lumel_budget"].is_number());

@@ -54,8 +54,7 @@ TEST_F(UploadTest, ComputeReadsWhatWasJustUploaded)
         commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline.handle);
         commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline.layout, 0, {*frameSet, *set},
                                     nullptr);
-        pushConstants(commands, pipeline,
-                      shared::DisplayPush{.weight = 1.0f, .size = {64, 1}});
+        pushConstants(commands, pipeline, shared::DisplayPush{.weight = 1.0f, .size = {64, 1}});
         commands.dispatch(1, 1, 1);
         gpu::imageBarrier(commands, shown.handle(), shown.aspect(), gpu::Use::computeWrite,
                           gpu::Use::transferRead);
