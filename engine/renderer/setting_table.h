@@ -223,7 +223,7 @@ inline constexpr std::tuple kSettings{
                               .most = 16}},
     Setting<size_t>{.member = &Settings::poolBytes,
                     .name = "pool-mb",
-                    .help = "memory limit of the pool of lit textures",
+                    .help = "memory limit of lit textures and cached surfaces",
                     .shadings = kTslOnly,
                     .invalidates = invalidates::radiance | invalidates::lumels | invalidates::pool,
                     .least = 1,

@@ -49,7 +49,7 @@ struct Settings {
     std::optional<float> ambient;
     float exposure = 1.0f;
     ToneMap toneMap = ToneMap::neutral;
-    size_t poolBytes = size_t(256) << 20;
+    size_t poolBytes = size_t(512) << 20;
     float levelOffset = 0.25f;       // levels that lumels are coarser than one per pixel, at least
     float lumelsPerPixel = 2.8f;     // grazing angles lose detail before a view needs more
     uint32_t lumelBudget = ~0u;      // lit per frame at most, by quads
