@@ -86,7 +86,7 @@ void deriveTile(LitObject object, uint mip, uvec2 tile, uint quads, uint wrong, 
     for (uint i = local / kQuadLumels; i < count;) {
         uint quad = quadOf(changed, i);
         uvec2 lumel = tile * kTileSize + lumelOf(quad, local % kQuadLumels);
-        vec4 light = (quads >> quad & 1u) != 0u ? derive(source, lumel) : vec4(0.0);
+        vec4 light = (quads >> quad & 1u) != 0u ? derive(source, min(lumel, source.coarse.size - 1u)) : vec4(0.0);
         if (all(lessThan(lumel, source.coarse.size)))
             imageStore(lit, ivec3(source.coarse.origin + lumel, source.layer), light);
         i += gl_WorkGroupSize.x / kQuadLumels;
