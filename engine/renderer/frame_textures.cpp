@@ -48,7 +48,9 @@ void Renderer::assignTextures(Frame& frame)
     for (size_t i = 0; i < frame.feedback.size(); ++i)
         if (residency_.objects()[i].texture)
             known_.pixelsCovered += frame.feedback[i].samples * feedback_.divisor() * feedback_.divisor();
-    if (frame.clipFromWorld != knownView_ || !quality_.samePicture(knownQuality_))
+    // What has changed is lit again where this frame's samples see it: the other offsets find the rest.
+    if (frame.clipFromWorld != knownView_ || !quality_.samePicture(knownQuality_) ||
+        scene_.changed() > knownChange_)
         offsetsSeen_ = 0;
     offsetsSeen_ += feedback_.divisor() == 1 ? FeedbackPass::kCycle : 1;
     knownView_ = frame.clipFromWorld;

@@ -116,7 +116,7 @@ void lightTile(uint slot)
     JobTile job = push.tiles.at[slot];
     Tile tile = job.tile;
     listedSlot = slot;
-    firstListed = view.lightCount > 0u ? job.lights[0] : 0u; // select.comp writes what there is
+    firstListed = view.lightCount > 0u ? job.lights[0] : 0u; // enlist.comp writes what there is
     shadowsListed = job.shadows & ((1u << kMaxShadows) - 1u);
     LitObject object = litObject(tile.object);
     uint mip = placeMip(tile.place), flags = objectFlags(object);

@@ -15,6 +15,7 @@ Settings budgetOf(double budgetMs, glm::uvec2 size = {160, 90})
 {
     Settings settings;
     settings.size = size;
+    settings.msaa = 4; // silhouettes in part of the pixels
     settings.budgetMs = budgetMs;
     return settings;
 }
@@ -74,7 +75,7 @@ TEST_F(BudgetTest, FarTooLittleTimeRendersAPartAndShowsAWholePicture)
     EXPECT_EQ(display.width, 160);
     EXPECT_EQ(radiance.height, 90);
     EXPECT_GT(psnr(display, whole.readDisplay()), 24.0); // softer, in place
-    EXPECT_NEAR(mean(radiance) / mean(whole.readRadiance()), 1.0, 0.03);
+    EXPECT_NEAR(mean(radiance) / mean(whole.readRadiance()), 1.0, 0.02);
 }
 
 TEST_F(BudgetTest, AStillViewEndsAtThePictureWithoutABudget)

@@ -241,14 +241,13 @@ TEST_F(FrameTest, AMovedLightOrObjectIsRelit)
     renderer.setLights(s.scene.lights);
     EXPECT_GT(renderer.render(camera).lumelsLit, 0u);
     for (uint32_t i = 0; i < FeedbackPass::kCycle; ++i)
-        renderer.render(
-            camera); // until the sub-pixel offsets have met every pixel; silhouettes differ by driver
-    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, settingsFor(Shading::tsl)).display), 42.0);
+        renderer.render(camera); // until the sub-pixel offsets have met every pixel
+    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, settingsFor(Shading::tsl)).display), 45.0);
     s.scene.objects[0].worldFromObject = glm::rotate(glm::mat4(1.0f), 0.5f, glm::vec3(0, 1, 0));
     renderer.moveObject(0, s.scene.objects[0].worldFromObject);
     for (uint32_t i = 0; i < FeedbackPass::kCycle; ++i)
         renderer.render(camera);
-    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, settingsFor(Shading::tsl)).display), 42.0);
+    EXPECT_GT(psnr(renderer.readDisplay(), shoot(s, camera, settingsFor(Shading::tsl)).display), 45.0);
 }
 
 TEST_F(FrameTest, ALightOutOfRangeRelightsNothing)
@@ -262,14 +261,18 @@ TEST_F(FrameTest, ALightOutOfRangeRelightsNothing)
         s.scene.lights.push_back(lamp);
     Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
     const scene::Camera camera = cameraAt({0.0f, 0.3f, 3.5f});
-    const size_t all = renderer.render(camera).lumelsLit;
+    EXPECT_GT(renderer.render(camera).lumelsLit, 0u);
     const Image dark = renderer.readRadiance();
     EXPECT_EQ(dark.pixels,
               shoot(sphereScene(plainMaps()), camera, settingsFor(Shading::tsl)).radiance.pixels);
-    s.scene.lights.back().position = {60.0f, 0.0f, 0.0f};
+    for (uint32_t i = 0; i <= FeedbackPass::kCycle; ++i) { // later samples see more at edges, once
+        s.scene.lights.back().position = {60.0f + float(i), 0.0f, 0.0f};
+        renderer.setLights(s.scene.lights);
+        renderer.render(camera);
+    }
+    s.scene.lights.back().position = {55.0f, 0.0f, 0.0f};
     renderer.setLights(s.scene.lights);
-    // Later samples stand for blocks of pixels, and see more at edges.
-    EXPECT_LT(renderer.render(camera).lumelsLit, all / 2);
+    EXPECT_EQ(renderer.render(camera).lumelsLit, 0u);
     s.scene.lights.back().position = {0.0f, 0.0f, 2.0f};
     s.scene.lights.back().intensity = 5.0f;
     renderer.setLights(s.scene.lights);

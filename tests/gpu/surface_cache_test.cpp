@@ -1,4 +1,4 @@
-// Lighting from cached surfaces shows the same picture as finding them anew.
+// Lighting from cached surfaces shows the same picture as finding them again.
 #include "test_scene.h"
 
 namespace lumel::test {

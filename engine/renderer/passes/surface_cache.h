@@ -10,7 +10,7 @@ public:
     explicit SurfaceCache(const gpu::Device& device);
 
     // Room for `tiles`, within so many bytes; never smaller than it is while it fits. What it held is lost
-    // when it is allocated anew. Call when no frame is in flight.
+    // when it is reallocated. Call when no frame is in flight.
     void reserve(size_t tiles, size_t capBytes);
     // Bytes that are to be left to it, when so many tiles are in view.
     static size_t roomFor(size_t tiles);
