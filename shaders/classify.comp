@@ -7,6 +7,8 @@
 
 layout(local_size_x = 64) in;
 
+const bool kMayWait = (kFeatures & kFeatureWaiting) != 0u; // the frame has a budget of lumels
+
 // Display change per radian that is expected of any tile: even a matte one is relit occasionally.
 const float kLeastRate = 0.02;
 // Radians that the eye may turn around a tile before its light counts as another view's: after a camera cut,
@@ -28,29 +30,29 @@ bool changedSince(LitObject object, TileState tile, uint since)
 }
 
 // Largest rate among the tile and its neighbours: a highlight enters a matte tile from its neighbour.
-float rateAround(LitObject object, uint mip, uvec2 tile)
+float rateAround(LitObject object, uint mip, uvec2 tile, TileState state)
 {
     ivec2 last = ivec2(tileCount(mipSize(object, mip))) - 1;
-    float rate = max(kLeastRate, rateOf(lightState(object, tileIndex(object, mip, tile))));
+    float rate = max(kLeastRate, rateOf(state.rates, state.change));
     ivec2 steps[4] = ivec2[](ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1));
     for (int i = 0; i < 4; ++i) {
         uvec2 beside = uvec2(clamp(ivec2(tile) + steps[i], ivec2(0), last));
-        TileState state = lightState(object, tileIndex(object, mip, beside));
-        if (state.lit != 0u)
-            rate = max(rate, rateOf(state));
+        uint index = tileIndex(object, mip, beside);
+        rate = max(rate, rateOf(object.tiles.at[index].rates, object.tiles.at[index].change));
     }
     return rate;
 }
 
 // Of a tile's quads, those to be derived from the finer MIP. Within a budget the children may have to wait, and
 // something must be shown meanwhile: a quad without light is derived from what holds light only.
-uint derivedQuads(LitObject object, uint mip, uvec2 tile, uint quads, TileState state, bool mayWait)
+uint derivedQuads(LitObject object, uint mip, uvec2 tile, uint quads, TileState state)
 {
-    if (mip == 0u || (mayWait && state.held == 0u && mip == tailMip(object.mips)))
+    if (mip == 0u || (kMayWait && state.held == 0u && mip == tailMip(object.mips)))
         return 0u;
-    Children children = childrenOf(object, mip, tile, 0u);
-    uint derived = quads & children.needed;
-    return mayWait ? derived & (children.held | state.held | state.held >> 16u) : derived;
+    uint derived = quads & quadsNeededFiner(object, mip, tile);
+    if (kMayWait)
+        derived &= childrenOf(object, mip, tile, 0u).held | state.held | state.held >> 16u;
+    return derived;
 }
 
 // Derived quads that the view does not need, and whose light is wrong: drawn nevertheless where no sample saw the need,
@@ -69,9 +71,9 @@ struct Verdict {
 };
 
 // What happens to those of a tile's quads that are not derived?
-Verdict judge(LitObject object, uint mip, uvec2 tile, uint quads, TileState state, bool mayWait)
+Verdict judge(LitObject object, uint mip, uvec2 tile, uint quads, TileState state)
 {
-    if (mayWait && state.held == 0u && mip == tailMip(object.mips))
+    if (kMayWait && state.held == 0u && mip == tailMip(object.mips))
         return Verdict(kPriorityAlways, quads);
     uint unlit = kPriorityChanged + 1u + min(mip, kPriorityAlways - kPriorityChanged - 2u);
     uint held = state.held | state.held >> 16u;
@@ -82,7 +84,7 @@ Verdict judge(LitObject object, uint mip, uvec2 tile, uint quads, TileState stat
     if (changedSince(object, state, state.lit))
         return Verdict(kPriorityChanged, quads);
     float angle = turnedSince(state, view.eyeInWorld);
-    float change = angle > 1e-5 ? angle * rateAround(object, mip, tile) : 0.0;
+    float change = angle > 1e-5 ? angle * rateAround(object, mip, tile, state) : 0.0;
     if (change > push.tolerance)
         return Verdict(angle > kCutAngle ? kPriorityChanged
                                          : min(uint(4.0 * log2(change / push.tolerance)), kPriorityChanged - 1u),
@@ -106,13 +108,13 @@ void main()
     uint stateIndex = tileIndex(object, mip, place);
     uint quads = object.tiles.at[stateIndex].needed & surfaceQuads(object, mip, place);
     TileState state = lightState(object, stateIndex);
-    bool mayWait = push.budgetQuads < ~0u / kQuadLumels;
-    uint derived = derivedQuads(object, mip, place, quads, state, mayWait);
+    uint derived = derivedQuads(object, mip, place, quads, state);
     uint tail = derivedTail(object.mips);
     if ((derived != 0u && mip < tail) || mip == tail) // the tail's coarser MIPs follow from its first
-        append(object.lowerJob + mip - 1u, tile, derived | wrongQuads(object, state, quads) << 16u);
+        append(object.lowerJob + mip - 1u, tile, derived | wrongQuads(object, state, quads) << 16u,
+               mip < tail ? kLowerTiles : 1u);
     uint lit = quads & ~derived;
-    Verdict verdict = lit == 0u ? Verdict(kVerdictNone, 0u) : judge(object, mip, place, lit, state, mayWait);
+    Verdict verdict = lit == 0u ? Verdict(kVerdictNone, 0u) : judge(object, mip, place, lit, state);
     push.marks.at[index].verdict = verdict.priority;
     push.marks.at[index].quads = verdict.quads;
     atomicAdd(push.plan.at.quadsMarked, bitCount(quads));

@@ -1,14 +1,18 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Lower levels: a lumel is the average of its four children, weighted by how much surface they cover. A gutter
-// lumel is the nearest covered lumel, as the texel map says, so that no filter tap meets an unlit lumel. A group derives
-// one tile after another of its job's list, and all of an object's tail.
+// lumel is the nearest covered lumel, as the texel map says, so that no filter tap meets an unlit lumel. A group looks at
+// several tiles of its job's list, one a lane, and then derives together what has to be. Of an object's tail it derives
+// one MIP after another.
 #define LUMEL_TILE_STATES coherent // a tail's MIPs are made of each other
 #include "lib/tiles.glsl"
 
 layout(local_size_x_id = 3) in; // lanes, as in lib/light_tiles.glsl
 layout(push_constant, scalar) uniform Constants { LightPush push; };
 layout(set = 1, binding = 0, rgba16f) coherent uniform image2DArray lit;
+
+const bool kTail = (kFeatures & kFeatureTail) != 0u;
+const uint kTilesAtOnce = kTail ? 1u : kLowerTiles;
 
 // One MIP of a lit texture: where its lumels, tiles and texel map entries lie.
 struct Mip {
@@ -38,85 +42,124 @@ uint texelOf(Source source, Mip mip, uvec2 lumel)
     return source.texels.at[mip.firstTexel + lumel.y * mip.size.x + lumel.x];
 }
 
-// Linear radiance, and in w whether any of the children holds light.
-vec4 derive(Source source, uvec2 lumel)
+// Linear radiance, and in w whether any of the children holds light. whole: surface covers the lumel.
+vec4 derive(Source source, uvec2 lumel, bool whole)
 {
-    uint texel = texelOf(source, source.coarse, lumel);
+    uint texel = whole ? 0u : texelOf(source, source.coarse, lumel);
     if ((texel & kTexelGutter) != 0u)
         lumel = uvec2(ivec2(lumel) + gutterSource(texel));
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < 4u; ++i) { // where an axis does not halve, twice the same: the mean is the same too
         uvec2 child = lumel * source.ratio + min(uvec2(i & 1u, i >> 1u), source.ratio - 1u);
         vec4 light = imageLoad(lit, ivec3(source.fine.origin + child, source.layer));
-        sum += float(texelCoverage(texelOf(source, source.fine, child))) * light.a * vec4(light.rgb, 1.0);
+        float coverage = whole ? 1.0 : float(texelCoverage(texelOf(source, source.fine, child)));
+        sum += coverage * light.a * vec4(light.rgb, 1.0);
     }
     return sum.a > 0.0 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }
 
-// quads: that were derived. newer: whose former light is out of date.
-void noteDerived(LitObject object, uint index, uint quads, uint newer, uint youngest, TileState child, bool waited)
+// quads: that are derived. newer: whose former light is out of date.
+void noteDerived(LitObject object, uint index, uint quads, uint newer, uint youngest, uint childIndex, bool waited)
 {
     uint held = object.tiles.at[index].held, derived = held >> 16u;
     held = (held & kAllQuads & ~quads) | (((derived & ~newer) | quads) << 16u);
     object.tiles.at[index].held = held;
     object.tiles.at[index].derived = youngest;
     if ((held & kAllQuads) == 0u) { // all that is known of its light is its child's
+        TileState child = lightState(object, childIndex);
         object.tiles.at[index].lit = youngest;
         object.tiles.at[index].eye = child.eye;
         object.tiles.at[index].centre = child.centre;
         object.tiles.at[index].radius = 2.0 * child.radius;
-        object.tiles.at[index].rate = rateOf(child);
-        object.tiles.at[index].turned = kTurnedOfDerived;
+        object.tiles.at[index].rates = packHalf2x16(vec2(kTurnedOfDerived, rateOf(child.rates, child.change)));
         object.tiles.at[index].change = 0u;
     }
     if (object.tiles.at[index].shown == 0u)
         object.tiles.at[index].shown = waited ? view.frame : kShownAtOnce;
 }
 
-// wrong: quads whose light must not be drawn, even where no sample saw that it is needed.
-void deriveTile(LitObject object, uint mip, uvec2 tile, uint quads, uint wrong, bool waited)
+// What is to be done to a tile.
+struct Work {
+    uint object, place;
+    uint quads; // to be derived; in the high half those to be emptied: their light must not be drawn
+    uint whole; // quads that surface covers
+};
+shared Work found[kLowerTiles];
+
+// Of the quads that the view needs, those whose children are newer. Notes that they are derived.
+Work look(Tile tile, uint mip, uint needed, uint wrong)
 {
-    uint index = tileIndex(object, mip, tile);
-    Children children = childrenOf(object, mip, tile, object.tiles.at[index].derived);
-    quads &= children.held & (children.newer | ~(object.tiles.at[index].held >> 16u)); // the others are up to date
+    LitObject object = litObject(tile.object);
+    uvec2 place = placeTile(tile.place), ratio = mipSize(object, mip - 1u) / mipSize(object, mip);
+    uint index = tileIndex(object, mip, place);
+    Children children = childrenOf(object, mip, place, object.tiles.at[index].derived);
+    uint quads = needed & children.held & (children.newer | ~(object.tiles.at[index].held >> 16u));
+    if ((quads | wrong) != 0u) {
+        noteDerived(object, index, quads, children.newer | wrong, children.youngest,
+                    tileIndex(object, mip - 1u, place * ratio), (tile.place & kPlaceWaited) != 0u);
+        atomicAdd(push.plan.at.quadsDerived, bitCount(quads));
+    }
+    return Work(tile.object, packPlace(mip, place), quads | (wrong & ~quads) << 16u, wholeQuads(object, mip, place));
+}
+
+// By all lanes.
+void deriveTile(Work work)
+{
+    LitObject object = litObject(work.object);
+    uint mip = placeMip(work.place), quads = work.quads & kAllQuads, changed = quads | work.quads >> 16u;
     Source source = Source(mipOf(object, mip - 1u), mipOf(object, mip),
                            mipSize(object, mip - 1u) / mipSize(object, mip), object.texels, object.layer);
-    uint changed = quads | wrong;
     uint local = gl_LocalInvocationIndex, count = bitCount(changed);
     for (uint i = local / kQuadLumels; i < count;) {
         uint quad = quadOf(changed, i);
-        uvec2 lumel = tile * kTileSize + lumelOf(quad, local % kQuadLumels);
-        vec4 light = (quads >> quad & 1u) != 0u ? derive(source, min(lumel, source.coarse.size - 1u)) : vec4(0.0);
+        uvec2 lumel = placeTile(work.place) * kTileSize + lumelOf(quad, local % kQuadLumels);
+        bool whole = (work.whole >> quad & 1u) != 0u;
+        vec4 light = (quads >> quad & 1u) != 0u ? derive(source, min(lumel, source.coarse.size - 1u), whole) : vec4(0.0);
         if (all(lessThan(lumel, source.coarse.size)))
             imageStore(lit, ivec3(source.coarse.origin + lumel, source.layer), light);
         i += gl_WorkGroupSize.x / kQuadLumels;
         if (i >= count)
             break;
     }
-    barrier(); // all have read the tile's state
-    if (local != 0u || changed == 0u)
-        return;
-    atomicAdd(push.plan.at.quadsDerived, bitCount(quads));
-    TileState child = lightState(object, tileIndex(object, mip - 1u, tile * source.ratio));
-    noteDerived(object, index, quads, children.newer | wrong, children.youngest, child, waited);
 }
 
-// A tile of the list; of the tail's first MIP, and all that follow from it.
-void deriveEntry(JobTile entry)
+// Tiles of one MIP, from `first` of the job's list on.
+void deriveTiles(Job job, uint first)
+{
+    uint local = gl_LocalInvocationIndex, count = min(listed(job) - first, kTilesAtOnce);
+    if (local < count) {
+        JobTile entry = push.tiles.at[job.first + first + local];
+        found[local] = look(entry.tile, placeMip(entry.tile.place), entry.quads & kAllQuads, entry.quads >> 16u);
+    }
+    barrier();
+    uint changed = 0u;
+    for (uint i = 0u; i < kTilesAtOnce; ++i)
+        changed |= i < count && found[i].quads != 0u ? 1u << i : 0u;
+    for (; changed != 0u;) {
+        deriveTile(found[findLSB(changed)]);
+        changed &= changed - 1u;
+        if (changed == 0u)
+            break;
+    }
+    barrier(); // all have read what was found
+}
+
+// An object's tail, whose MIPs are a tile each. The view needs all of those that follow from its first.
+void deriveTail(JobTile entry)
 {
     LitObject object = litObject(entry.tile.object);
-    uint mip = placeMip(entry.tile.place), last = mip < derivedTail(object.mips) ? mip : object.mips - 1u;
-    bool waited = (entry.tile.place & kPlaceWaited) != 0u;
-    uint quads = entry.quads & kAllQuads, wrong = entry.quads >> 16u;
-    for (;;) {
-        deriveTile(object, mip, placeTile(entry.tile.place), quads, wrong, waited);
-        if (mip >= last)
-            break;
+    uint needed = entry.quads & kAllQuads, wrong = entry.quads >> 16u;
+    for (uint mip = placeMip(entry.tile.place);;) {
+        if (gl_LocalInvocationIndex == 0u)
+            found[0] = look(entry.tile, mip, needed, wrong);
+        barrier();
+        deriveTile(found[0]);
         memoryBarrierImage();
         memoryBarrierBuffer();
         barrier(); // the next MIP is made of this one
-        ++mip;
-        quads = surfaceQuads(object, mip, uvec2(0u)); // the view needs all of it
+        if (++mip >= object.mips)
+            break;
+        needed = surfaceQuads(object, mip, uvec2(0u));
         wrong = 0u;
     }
 }
@@ -124,9 +167,12 @@ void deriveEntry(JobTile entry)
 void main()
 {
     Job job = push.jobs.at[push.job];
-    uint i = gl_WorkGroupID.x, count = listed(job);
+    uint i = gl_WorkGroupID.x * kTilesAtOnce, count = listed(job);
     do {
-        deriveEntry(push.tiles.at[job.first + i]);
-        i += gl_NumWorkGroups.x;
+        if (kTail)
+            deriveTail(push.tiles.at[job.first + i]);
+        else
+            deriveTiles(job, i);
+        i += gl_NumWorkGroups.x * kTilesAtOnce;
     } while (i < count);
 }

@@ -17,9 +17,9 @@ const float kStraightReach = 0.5;   // lumels: of a bilinear lookup
 const uint kFallback = 3u;          // MIPs
 const int kTileQuads = int(kTileSize / kQuadSize); // along either axis
 
-void mark(LitObject object, uint objectIndex, uint mip, uvec2 tile, uint quads)
+// index: the tile's among the object's.
+void mark(LitObject object, uint objectIndex, uint mip, uvec2 tile, uint index, uint quads)
 {
-    uint index = tileIndex(object, mip, tile);
     // Reading first spares most atomics.
     if ((object.tiles.at[index].needed & quads) == quads)
         return;
@@ -34,7 +34,7 @@ void mark(LitObject object, uint objectIndex, uint mip, uvec2 tile, uint quads)
     }
     uint lastFrame = before >> 16u;
     uint waited = lastFrame != 0u && lastFrame == ((view.frame - 1u) & 0xffffu) ? kPlaceWaited : 0u;
-    push.marks.at[slot] = Mark(Tile(objectIndex, packPlace(mip, tile) | waited), 0u, 0u);
+    push.marks.at[slot].tile = Tile(objectIndex, packPlace(mip, tile) | waited);
 }
 
 // A row's quads from first to last, of the tile whose first is at `origin`.
@@ -44,10 +44,33 @@ uint rowQuads(int first, int last, int origin)
     return b < a ? 0u : ((2u << uint(b - a)) - 1u) << uint(a);
 }
 
+// A long footprint is thin: the quads of a tile, whose first is at `origin`, within a strip along its axis.
+struct Strip {
+    vec2 centre;     // lumels
+    float slope;     // lumels along x for one along y
+    float halfWidth; // lumels along x
+    float last;      // lumel along x
+};
+uint stripQuads(Strip strip, ivec2 origin)
+{
+    uint quads = 0u;
+    for (int i = 0;;) {
+        float top = float((origin.y + i) * int(kQuadSize)) - strip.centre.y;
+        vec2 middles = strip.slope * vec2(top, top + float(kQuadSize));
+        vec2 ends = vec2(min(middles.x, middles.y), max(middles.x, middles.y)) + vec2(-strip.halfWidth, strip.halfWidth);
+        ends = floor(clamp(strip.centre.x + ends, vec2(0.0), vec2(strip.last)) / float(kQuadSize));
+        quads |= rowQuads(int(ends.x), int(ends.y), origin.x) << uint(kTileQuads * i);
+        if (++i == kTileQuads)
+            break;
+    }
+    return quads;
+}
+
 // The quads within `reach` of the parallelogram that the sample stands for.
 void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, vec2 dy, vec2 axis, float reach)
 {
-    vec2 size = vec2(mipSize(object, mip)), centre = uv * size;
+    uvec2 lumels = mipSize(object, mip);
+    vec2 size = vec2(lumels), centre = uv * size;
     float halfBlock = push.divisor > 1.0 ? 0.5 * push.divisor : 0.0; // pixels; a pixel reads around its centre
     vec2 halfX = halfBlock * dx * size, halfY = halfBlock * dy * size, along = axis * size;
     vec2 extent = abs(halfX) + abs(halfY) + abs(along) + reach;
@@ -56,37 +79,25 @@ void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, v
     ivec2 middle = ivec2(clamp(centre, vec2(0.0), size - 1.0) / float(kQuadSize));
     lower = max(lower, middle - kWidest / 2);
     upper = min(upper, middle + kWidest / 2);
-    // Long footprints are thin: of each row of quads only the part within the strip along their axis counts.
-    vec2 across = vec2(-along.y, along.x);
-    float acrossLength = length(across);
-    bool isLong = acrossLength > 1.0;
-    across = acrossLength > 1e-6 ? across / acrossLength : vec2(0.0);
-    float thickness = abs(dot(across, halfX)) + abs(dot(across, halfY)) + reach * (abs(across.x) + abs(across.y));
-    float perLumel = abs(across.x) > 0.01 ? 1.0 / across.x : 1e6; // x where the strip's middle is, for each dot
-    ivec2 first = lower / kTileQuads, last = upper / kTileQuads;
-    for (int y = first.y;;) {
-        for (int x = first.x;;) {
-            ivec2 origin = ivec2(x, y) * kTileQuads;
-            uint row = rowQuads(lower.x, upper.x, origin.x);
-            uint rows = rowQuads(lower.y, upper.y, origin.y);
-            uint quads = row * ((rows & 1u) | (rows & 2u) << 3u | (rows & 4u) << 6u | (rows & 8u) << 9u);
-            for (int i = isLong ? 0 : kTileQuads; i < kTileQuads;) {
-                float top = float((origin.y + i) * int(kQuadSize)) - centre.y;
-                vec2 middles = -across.y * perLumel * vec2(top, top + float(kQuadSize));
-                float halfWidth = thickness * abs(perLumel);
-                float left = min(middles.x, middles.y) - halfWidth, right = max(middles.x, middles.y) + halfWidth;
-                vec2 ends = clamp(centre.x + vec2(left, right), vec2(0.0), vec2(size.x - 1.0)) / float(kQuadSize);
-                uint inside = rowQuads(int(floor(ends.x)), int(floor(ends.y)), origin.x) << uint(kTileQuads * i);
-                quads &= inside | ~(0xfu << uint(kTileQuads * i));
-                if (++i == kTileQuads)
-                    break;
-            }
-            if (quads != 0u)
-                mark(object, objectIndex, mip, uvec2(x, y), quads);
-            if (++x > last.x)
-                break;
-        }
-        if (++y > last.y)
+    float alongLength = length(along);
+    bool isLong = alongLength > 1.0;
+    vec2 side = alongLength > 1e-6 ? vec2(-along.y, along.x) / alongLength : vec2(0.0);
+    float thickness = abs(dot(side, halfX)) + abs(dot(side, halfY)) + reach * (abs(side.x) + abs(side.y));
+    float perLumel = abs(side.x) > 0.01 ? 1.0 / side.x : 1e6; // x where the strip's middle is, for each dot
+    Strip strip = Strip(centre, -side.y * perLumel, thickness * abs(perLumel), size.x - 1.0);
+    ivec2 first = lower / kTileQuads, last = upper / kTileQuads, tile = first;
+    uint across = tileCount(lumels).x, firstIndex = tileOffset(object, mip);
+    for (int left = (last.x - first.x + 1) * (last.y - first.y + 1);;) {
+        ivec2 origin = tile * kTileQuads;
+        uint rows = rowQuads(lower.y, upper.y, origin.y);
+        uint quads = rowQuads(lower.x, upper.x, origin.x) *
+                     ((rows & 1u) | (rows & 2u) << 3u | (rows & 4u) << 6u | (rows & 8u) << 9u);
+        if (isLong)
+            quads &= stripQuads(strip, origin);
+        if (quads != 0u)
+            mark(object, objectIndex, mip, uvec2(tile), firstIndex + uint(tile.y) * across + uint(tile.x), quads);
+        tile = tile.x == last.x ? ivec2(first.x, tile.y + 1) : tile + ivec2(1, 0);
+        if (--left == 0)
             break;
     }
 }
@@ -95,7 +106,7 @@ void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, v
 void markTail(LitObject object, uint objectIndex)
 {
     for (uint mip = tailMip(object.mips); mip < object.mips; ++mip)
-        mark(object, objectIndex, mip, uvec2(0u), kAllQuads);
+        mark(object, objectIndex, mip, uvec2(0u), tileOffset(object, mip), kAllQuads);
 }
 
 void main()
@@ -122,9 +133,9 @@ void main()
     float finest = mipPosition(object, level - kLevelMargin), coarsest = mipPosition(object, level + kLevelMargin);
     uint first = uint(finest);
     uint last = uint(coarsest) + (coarserWeight(coarsest) > 0.0 ? 1u : 0u);
-    // The fallback is the last round of the same loop. There a quad is wider than four blocks.
+    // The fallback is the last round of the same loop. There a quad is wider than two blocks of pixels.
     uint coarsestMip = object.mips - 1u, rounds = min(last, coarsestMip) - first + 1u;
-    uint fallbacks = index / push.samples.x % 4u == 0u || push.divisor == 1.0 ? 1u : 0u;
+    uint fallbacks = index / push.samples.x % 2u == 0u || push.divisor == 1.0 ? 1u : 0u;
     for (uint i = 0u;;) {
         float covers = i < rounds ? 1.0 : 0.0; // or the sample's own point
         uint mip = i < rounds ? first + i : min(last + kFallback, coarsestMip);

@@ -35,8 +35,9 @@ void Renderer::recordTextureSpace(Frame& frame)
         plan_.prepare(frame, pool_); // the objects still draw their lit textures
         return;                      // and these hold all the light that this view needs
     }
-    feedback_.record(frame, first_); // what does this view need, and how finely?
-    submitAndWait(frame);            // since the CPU assigns memory by the answer
+    // What does this view need, and how finely? The CPU assigns memory by the answer.
+    feedback_.record(frame, first_ ? 1 : isStill(frame) ? FeedbackPass::kStill : FeedbackPass::kMoving);
+    submitAndWait(frame);
     feedback_.read(frame);
     if (chooseDetail(frame)) {
         feedback_.recount(frame); // the same samples once more, at that detail

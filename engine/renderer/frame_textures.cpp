@@ -3,11 +3,17 @@
 
 namespace lumel {
 
-// Nothing to find, to light or to fade: the view has not changed since its every pixel was looked at.
-bool Renderer::isSettled(const Frame& frame) const
+// Neither the view nor what it shows has changed since the frame before.
+bool Renderer::isStill(const Frame& frame) const
 {
     return frame.clipFromWorld == knownView_ && quality_.samePicture(knownQuality_) &&
-           scene_.changed() <= knownChange_ && offsetsSeen_ >= FeedbackPass::kCycle && lumelsPending_ == 0 &&
+           scene_.changed() <= knownChange_;
+}
+
+// Nothing to find, to light or to fade: every pixel of the still view was looked at.
+bool Renderer::isSettled(const Frame& frame) const
+{
+    return isStill(frame) && offsetsSeen_ >= FeedbackPass::kCycle && lumelsPending_ == 0 &&
            residency_.steady();
 }
 
@@ -49,10 +55,10 @@ void Renderer::assignTextures(Frame& frame)
         if (residency_.objects()[i].texture)
             known_.pixelsCovered += frame.feedback[i].samples * feedback_.divisor() * feedback_.divisor();
     // What has changed is lit again where this frame's samples see it: the other offsets find the rest.
-    if (frame.clipFromWorld != knownView_ || !quality_.samePicture(knownQuality_) ||
-        scene_.changed() > knownChange_)
-        offsetsSeen_ = 0;
-    offsetsSeen_ += feedback_.divisor() == 1 ? FeedbackPass::kCycle : 1;
+    if (feedback_.divisor() == 1)
+        offsetsSeen_ = FeedbackPass::kCycle;
+    else
+        offsetsSeen_ = isStill(frame) ? offsetsSeen_ + 1 : 0;
     knownView_ = frame.clipFromWorld;
     knownQuality_ = quality_;
     knownChange_ = frame.index;

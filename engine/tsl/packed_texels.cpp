@@ -68,7 +68,7 @@ PackedTexels pack(const TexelMap& map)
         uint32_t* masks = texels + size_t(raw.size.x) * size_t(raw.size.y);
         const glm::ivec2 tiles(tilesOf(map.levelSize(level)));
         tbb::parallel_for(0, tiles.y, [&](int row) {
-            std::fill_n(masks + row * tiles.x, tiles.x, 0u);
+            std::fill_n(masks + row * tiles.x, tiles.x, shared::kAllQuads << 16u);
             const int firstLumel = row * int(shared::kTileSize);
             for (int y = firstLumel; y < std::min(firstLumel + int(shared::kTileSize), raw.size.y); ++y)
                 for (int x = 0; x < raw.size.x; ++x) {
@@ -76,7 +76,9 @@ PackedTexels pack(const TexelMap& map)
                     texels[size_t(y) * size_t(raw.size.x) + size_t(x)] = texel;
                     const int quad = (y - firstLumel) / int(shared::kQuadSize) * 4 +
                                      x % int(shared::kTileSize) / int(shared::kQuadSize);
-                    masks[row * tiles.x + x / int(shared::kTileSize)] |= texel ? 1u << quad : 0u;
+                    uint32_t& mask = masks[row * tiles.x + x / int(shared::kTileSize)];
+                    mask |= texel ? 1u << quad : 0u;
+                    mask &= ~(shared::texelCoverage(texel) < shared::kFullCoverage ? 0x10000u << quad : 0u);
                 }
         });
     }

@@ -6,17 +6,18 @@
 
 layout(push_constant, scalar) uniform Constants { PlanPush push; };
 
-// Returns the tile's place in the list of all jobs' tiles, kListFull when the job's is full.
+// tilesAGroup: how many a group of the job's dispatch takes together. Returns the tile's place in the list of all jobs'
+// tiles, kListFull when the job's is full.
 const uint kListFull = ~0u;
-uint append(uint job, Tile tile, uint quads)
+uint append(uint job, Tile tile, uint quads, uint tilesAGroup)
 {
     uint slot = atomicAdd(push.jobs.at[job].count, 1u);
     if (slot >= push.jobs.at[job].capacity) {
         atomicAdd(push.plan.at.dropped, 1u);
         return kListFull;
     }
-    if (slot < kMaxJobGroups)
-        atomicMax(push.jobs.at[job].groups[0], slot + 1u);
+    if (slot % tilesAGroup == 0u && slot / tilesAGroup < kMaxJobGroups)
+        atomicMax(push.jobs.at[job].groups[0], slot / tilesAGroup + 1u);
     slot += push.jobs.at[job].first;
     push.tiles.at[slot].tile = tile;
     push.tiles.at[slot].quads = quads;

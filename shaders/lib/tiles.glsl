@@ -39,12 +39,21 @@ uint texelAt(LitObject object, uint level, uvec2 lumel)
     return object.texels.at[texelOffset(object, level) + lumel.y * width + lumel.x];
 }
 
-// Quads of a tile that hold surface or gutter.
-uint surfaceQuads(LitObject object, uint mip, uvec2 tile)
+uint quadMasks(LitObject object, uint mip, uvec2 tile)
 {
     uvec2 size = mipSize(object, mip);
     uint first = texelOffset(object, object.litLevel + mip) + size.x * size.y;
     return object.texels.at[first + tile.y * tileCount(size).x + tile.x];
+}
+// Quads of a tile that surface covers whole.
+uint wholeQuads(LitObject object, uint mip, uvec2 tile)
+{
+    return quadMasks(object, mip, tile) >> 16u;
+}
+// Those that hold surface or gutter.
+uint surfaceQuads(LitObject object, uint mip, uvec2 tile)
+{
+    return quadMasks(object, mip, tile) & kAllQuads;
 }
 
 // A lumel is derived from four, a quad from 2 x 2 quads. Which quads of a tile's quarter have all of theirs in `quads`,
@@ -56,30 +65,51 @@ uint parentQuads(uint quads, uvec2 corner)
     return parents << (8u * corner.y + 2u * corner.x);
 }
 
-// What a tile of MIP 1 or coarser may be derived from.
+// The four tiles of the finer MIP that a tile of MIP 1 or coarser is made of: their indices, kNoTile beyond its edge.
+const uint kNoTile = ~0u;
+uvec4 childTiles(LitObject object, uint mip, uvec2 tile)
+{
+    uvec2 fineSize = mipSize(object, mip - 1u), tiles = tileCount(fineSize), ratio = fineSize / mipSize(object, mip);
+    uvec2 child = tile * ratio;
+    uint first = tileOffset(object, mip - 1u) + child.y * tiles.x + child.x;
+    bool right = child.x + 1u < tiles.x, below = child.y + 1u < tiles.y;
+    return uvec4(first, right ? first + 1u : kNoTile, below ? first + tiles.x : kNoTile,
+                 right && below ? first + tiles.x + 1u : kNoTile);
+}
+
+// Quads whose children this frame's view all needs.
+uint quadsNeededFiner(LitObject object, uint mip, uvec2 tile)
+{
+    uvec4 children = childTiles(object, mip, tile);
+    uint quads = 0u;
+    for (uint i = 0u; i < 4u; ++i) {
+        uint needed = children[i] != kNoTile ? object.tiles.at[children[i]].needed : kAllQuads;
+        quads |= parentQuads(needed, uvec2(i & 1u, i >> 1u));
+    }
+    return quads;
+}
+
+// What there is to derive a tile from.
 struct Children {
-    uint needed; // quads whose children this frame's view all needs
-    uint held;   // quads whose children all hold light
-    uint newer;  // quads whose child was lit after the given frame
+    uint held;     // quads whose children all hold light
+    uint newer;    // quads whose child was lit after the given frame
     uint youngest; // frame in which the youngest child was lit
 };
 Children childrenOf(LitObject object, uint mip, uvec2 tile, uint since)
 {
-    uvec2 fineSize = mipSize(object, mip - 1u), fine = tileCount(fineSize), ratio = fineSize / mipSize(object, mip);
-    Children children = Children(0u, 0u, 0u, 0u);
+    uvec4 tiles = childTiles(object, mip, tile);
+    uvec2 first = tile * (mipSize(object, mip - 1u) / mipSize(object, mip));
+    Children children = Children(0u, 0u, 0u);
     for (uint i = 0u; i < 4u; ++i) {
-        uvec2 corner = uvec2(i & 1u, i >> 1u), child = tile * ratio + corner;
-        uint needed = kAllQuads, held = kAllQuads; // where there is nothing
-        if (all(lessThan(child, fine))) {
-            uint index = tileIndex(object, mip - 1u, child), none = ~surfaceQuads(object, mip - 1u, child);
-            uint holds = object.tiles.at[index].held;
-            needed = none | object.tiles.at[index].needed;
-            held = none | holds | holds >> 16u;
-            uint lit = max(object.tiles.at[index].lit, object.tiles.at[index].derived);
+        uvec2 corner = uvec2(i & 1u, i >> 1u);
+        uint held = kAllQuads; // where there is nothing
+        if (tiles[i] != kNoTile) {
+            uint holds = object.tiles.at[tiles[i]].held;
+            held = ~surfaceQuads(object, mip - 1u, first + corner) | holds | holds >> 16u;
+            uint lit = max(object.tiles.at[tiles[i]].lit, object.tiles.at[tiles[i]].derived);
             children.newer |= lit > since ? parentQuads(kAllQuads, corner) : 0u;
             children.youngest = max(children.youngest, lit);
         }
-        children.needed |= parentQuads(needed, corner);
         children.held |= parentQuads(held, corner);
     }
     return children;
@@ -107,8 +137,7 @@ TileState lightState(LitObject object, uint index)
     state.lit = object.tiles.at[index].lit;
     state.centre = object.tiles.at[index].centre;
     state.radius = object.tiles.at[index].radius;
-    state.rate = object.tiles.at[index].rate;
-    state.turned = object.tiles.at[index].turned;
+    state.rates = object.tiles.at[index].rates;
     state.change = object.tiles.at[index].change;
     state.shown = object.tiles.at[index].shown;
     state.held = object.tiles.at[index].held;
@@ -137,12 +166,16 @@ float turnedSince(TileState tile, vec3 eye)
 const float kUnknownRate = 2.0;
 
 // Display change per radian, as measured when the tile was last lit. What was measured before that counts half,
-// since a highlight that moved on may come back.
-float rateOf(TileState tile)
+// since a highlight that moved on may come back. 0 = it has no light.
+float rateOf(uint rates, uint change)
 {
-    if (tile.turned == 0.0)
-        return kUnknownRate;
-    return max(sqrt(float(tile.change) / kChangeUnit) / max(tile.turned, 1e-4), 0.5 * tile.rate);
+    vec2 turnedAndRate = unpackHalf2x16(rates);
+    return max(sqrt(float(change) / kChangeUnit) / max(turnedAndRate.x, 1e-4), 0.5 * turnedAndRate.y);
+}
+
+uint ratesOfFirst()
+{
+    return packHalf2x16(vec2(kTurnedAtFirst, 2.0 * kUnknownRate));
 }
 
 // Continuous MIP of the lit texture for a footprint of `level` (of the object's lumel grid).

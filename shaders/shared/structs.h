@@ -92,13 +92,14 @@ struct EnvironmentView {
 LUMEL_CONST uint kFeatureEnvironment = 1u;
 LUMEL_CONST uint kFeatureShadows = 2u;
 LUMEL_CONST uint kFeatureColoured = 4u; // vertices have colours
-LUMEL_CONST uint kFeatureWaiting = 8u;  // draw.frag: some lumels may wait for their light, or fade in
+LUMEL_CONST uint kFeatureWaiting = 8u;  // classify.comp, draw.frag: some lumels may wait for their light, or fade in
 // A material's map is one texel: it is not filtered.
 LUMEL_CONST uint kFeatureConstantEmission = 16u;
 LUMEL_CONST uint kFeatureConstantOpacity = 32u;
 LUMEL_CONST uint kFeatureConstantBase = 64u;
 LUMEL_CONST uint kFeatureUnshadowed = 128u;  // some lights have no shadow map
 LUMEL_CONST uint kFeatureManyLights = 256u;  // more than one word of a list
+LUMEL_CONST uint kFeatureTail = 1024u; // lower.comp: MIPs of one tile each, made of each other
 LUMEL_CONST uint kFeatureKnownShadows = 512u; // the surface cache has all visibility that is needed
 
 // Bits of JobTile::lights.
@@ -238,8 +239,9 @@ struct TileState {
     uint lit;     // frame in which it was last lit or, where none of it is lit, derived
     vec3 centre;  // of the surface that its lumels cover, world
     float radius; // metres
-    float rate;   // expected RMS change of its lumels' display value per radian that the eye turns around it
-    float turned; // radians that the eye had turned when it was last lit; 0 = the first time; or kTurnedOfDerived
+    // Two halves: radians that the eye had turned when it was last lit, kTurnedAtFirst or kTurnedOfDerived; and the RMS
+    // change of its lumels' display value per radian that was expected then. 0 = it has no light.
+    uint rates;
     uint change;  // mean over its lumels of the squared change then, in 1 / kChangeUnit
     uint shown;   // frame from which it is drawn; it fades in over kFadeFrames
     uint needed;  // quads that this frame's view reads, none between frames; in the high half the last frame that did
@@ -249,7 +251,8 @@ struct TileState {
     uint cached;  // quads whose surface that holds, in the high half those whose shadow visibility it holds
     uint checked; // frame in which both were last found up to date
 };
-LUMEL_CONST float kTurnedOfDerived = 1.0f; // its light is derived from finer tiles
+LUMEL_CONST float kTurnedAtFirst = 2.0f;   // there was no light to compare with
+LUMEL_CONST float kTurnedOfDerived = 4.0f; // its light is derived from finer tiles
 LUMEL_CONST float kChangeUnit = 16777216.0f;
 LUMEL_CONST uint kShownAtOnce = 0xffffffffu;
 LUMEL_CONST uint kFadeFrames = 8u;
@@ -286,6 +289,8 @@ struct Plan {
     uint groups[3]; // of a dispatch over the marked tiles, 64 each
     uint chosen;    // tiles to light
     uint chosenGroups[3];
+    uint unbound;   // those of them without a ball around their surface
+    uint unboundGroups[3];
     uint histogram[kPriorities]; // quads
     uint threshold; // this priority and greater ones are lit
     float share;    // of the quads of exactly that priority
@@ -304,10 +309,12 @@ struct Job {
     uint first; // in the list of all jobs' tiles
 };
 LUMEL_CONST uint kMaxJobGroups = 16384u;
+LUMEL_CONST uint kLowerTiles = 8u; // that a group of the lower pass looks at together
 
 // Texel map entry: triangle + 1 in the low 24 bits (0 = no surface near). In the high 8 bits coverage, 1 to
 // kFullCoverage; or, of a gutter lumel, kTexelGutter with where the nearest covered lumel lies. Each level is followed
-// by a mask of quads for each of its tiles: those with any surface or gutter.
+// by two masks of quads for each of its tiles: those with any surface or gutter; in the high half those that surface
+// covers whole.
 LUMEL_CONST uint kTexelTriangleMask = 0xffffffu;
 LUMEL_CONST uint kTexelCoverageShift = 24u;
 LUMEL_CONST uint kFullCoverage = 127u;
@@ -401,7 +408,7 @@ struct PlanPush {
     uint budgetQuads;    // to light this frame
     float refreshShare;  // of the marked quads that may be lit again because the eye moved
     float tolerance;     // display value: a smaller expected change is left alone
-    uint markCapacity;   // tiles that the list of marks holds
+    uint markCapacity;   // tiles that each third of `marks` holds: marked, chosen, unbound
     SurfaceCacheState surfaces;
 };
 

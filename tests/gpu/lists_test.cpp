@@ -79,7 +79,7 @@ protected:
     void makeLists(uint32_t marks, const std::vector<uint32_t>& jobs)
     {
         plan_ = list<shared::Plan>(1);
-        marks_ = list<shared::Mark>(2 * marks + 64); // and those of them that are chosen
+        marks_ = list<shared::Mark>(3 * marks + 64); // marked, chosen, without a ball
         jobs_ = list<shared::Job>(std::max<size_t>(jobs.size(), 1));
         uint32_t first = 0;
         for (size_t i = 0; i < jobs.size(); first += jobs[i++])

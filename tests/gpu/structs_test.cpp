@@ -171,8 +171,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(TileState, lit);
     EXPECT_OFFSET(TileState, centre);
     EXPECT_OFFSET(TileState, radius);
-    EXPECT_OFFSET(TileState, rate);
-    EXPECT_OFFSET(TileState, turned);
+    EXPECT_OFFSET(TileState, rates);
     EXPECT_OFFSET(TileState, change);
     EXPECT_OFFSET(TileState, shown);
     EXPECT_OFFSET(TileState, needed);
@@ -194,6 +193,8 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(Plan, groups);
     EXPECT_OFFSET(Plan, chosen);
     EXPECT_OFFSET(Plan, chosenGroups);
+    EXPECT_OFFSET(Plan, unbound);
+    EXPECT_OFFSET(Plan, unboundGroups);
     EXPECT_OFFSET(Plan, histogram);
     EXPECT_OFFSET(Plan, threshold);
     EXPECT_OFFSET(Plan, share);

@@ -16,13 +16,16 @@ gpu::Image makeTarget(const gpu::Device& device, glm::uvec2 size, vk::Format for
             "feedback"};
 }
 
-// Offset of sample centres in full-size pixels from the quarter pixel's centre: the 16 pixels of a 4 x 4
-// block in an order that spreads (bit-reversed Morton).
-glm::vec2 jitterInPixels(uint64_t frame)
+// Offset of sample centres in full-size pixels from their block's centre: the pixels of a block of `size` x
+// `size`, a power of two, in an order that spreads (bit-reversed Morton).
+glm::vec2 jitterInPixels(uint32_t size, uint64_t frame)
 {
-    constexpr int kOrder[16] = {0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
-    const int cell = kOrder[frame % 16];
-    return {float(cell % 4) - 1.5f, float(cell / 4) - 1.5f};
+    glm::uvec2 pixel(0);
+    for (uint32_t half = size / 2; half > 0; half /= 2, frame >>= 2u) {
+        pixel.x += half * uint32_t((frame ^ frame >> 1u) & 1u);
+        pixel.y += half * uint32_t(frame & 1u);
+    }
+    return glm::vec2(pixel) - 0.5f * float(size - 1);
 }
 
 } // namespace
@@ -57,9 +60,9 @@ void FeedbackPass::resize(const gpu::Device& device, glm::uvec2 size)
     gpu::writeStorage(device, *set_, 0, seen_.view());
 }
 
-void FeedbackPass::record(Frame& frame, bool everyPixel)
+void FeedbackPass::record(Frame& frame, uint32_t divisor)
 {
-    divisor_ = everyPixel ? 1 : kDivisor;
+    divisor_ = divisor;
     samples_ = (frame.renderSize + divisor_ - 1u) / divisor_;
     const PassScope scope(frame, "feedback");
     const vk::CommandBuffer commands = frame.commands;
@@ -71,7 +74,7 @@ void FeedbackPass::record(Frame& frame, bool everyPixel)
                                             .loadOp = vk::AttachmentLoadOp::eClear,
                                             .storeOp = vk::AttachmentStoreOp::eStore};
     beginRendering(commands, color, depth_.view(), extent);
-    drawObjects(frame, everyPixel);
+    drawObjects(frame);
     commands.endRendering();
 
     gpu::imageBarrier(commands, seen_.handle(), seen_.aspect(), gpu::Use::colorWrite, gpu::Use::computeRead);
@@ -98,11 +101,11 @@ const gpu::Pipeline& FeedbackPass::maskPipeline(const Frame& frame, const GpuObj
 }
 
 // What hides others and what is seen: all but blended objects, which let everything through.
-void FeedbackPass::drawObjects(Frame& frame, bool everyPixel)
+void FeedbackPass::drawObjects(Frame& frame)
 {
-    // Quarter pixels cover whole blocks of 4 x 4, also where the picture's size is not a multiple of 4: the
-    // viewport reaches past its edge by the same share, which is at most three pixels.
-    const glm::vec2 pixels = everyPixel ? glm::vec2(0.0f) : jitterInPixels(frame.index);
+    // Samples stand for whole blocks, also where the picture's size is no multiple of theirs: the viewport
+    // reaches past its edge by the same share.
+    const glm::vec2 pixels = jitterInPixels(divisor_, frame.index);
     shared::FeedbackPush push{.objects = objects_.address(),
                               .total = total_.address(),
                               .jitter = pixels,

@@ -1,5 +1,5 @@
-// Need: which level of each object's lit texture does this view need? Quarter resolution, one offset of a
-// 4 x 4 sub-pixel cycle a frame.
+// Need: which level of each object's lit texture does this view need? One sample of a block of pixels, in
+// each frame at another place of the block.
 #pragma once
 #include "frame_context.h"
 #include <map>
@@ -8,13 +8,15 @@ namespace lumel {
 
 class FeedbackPass {
 public:
-    static constexpr uint32_t kDivisor = 4;
-    // Frames after which the sub-pixel offsets have met every pixel.
-    static constexpr uint32_t kCycle = kDivisor * kDivisor;
+    // Full-size pixels a sample, per axis: of a view that moves, and of one that stands still until its every
+    // pixel has been looked at.
+    static constexpr uint32_t kMoving = 8, kStill = 4;
+    // Frames after which the offsets of a still view's samples have met every pixel.
+    static constexpr uint32_t kCycle = kStill * kStill;
     FeedbackPass(const gpu::Device& device, glm::uvec2 size, const SceneState& scene);
     void resize(const gpu::Device& device, glm::uvec2 size);
-    // everyPixel: full resolution, for the first frame of a view that nothing is known of.
-    void record(Frame& frame, bool everyPixel);
+    // divisor: kMoving, kStill, or 1 for the first frame of a view that nothing is known of.
+    void record(Frame& frame, uint32_t divisor);
     // The same samples once more, at the frame's anisotropy of now.
     void recount(Frame& frame);
     // Fills frame.feedback and frame.elongations after the recorded commands have finished.
@@ -29,9 +31,9 @@ public:
 private:
     void count(Frame& frame);
     const gpu::Pipeline& maskPipeline(const Frame& frame, const GpuObject& object);
-    void drawObjects(Frame& frame, bool everyPixel);
+    void drawObjects(Frame& frame);
     glm::uvec2 samples_{0};
-    uint32_t divisor_ = kDivisor;
+    uint32_t divisor_ = kStill;
     gpu::Image seen_, depth_;
     gpu::SetLayout layout_;
     vk::raii::DescriptorSet set_;

@@ -4,7 +4,9 @@ namespace lumel {
 
 LightPass::LightPass(const gpu::Device& device, const SceneState& scene, const LitPool& pool)
     : lower_(gpu::makeComputePipeline(device, "lower.comp", {*scene.frameSet().layout(), *pool.layout()},
-                                      sizeof(shared::LightPush)))
+                                      sizeof(shared::LightPush))),
+      lowerTail_(gpu::makeComputePipeline(device, "lower.comp", {*scene.frameSet().layout(), *pool.layout()},
+                                          sizeof(shared::LightPush), shared::kFeatureTail))
 {
 }
 
@@ -75,9 +77,10 @@ void LightPass::recordLower(Frame& frame, const LitPool& pool, const PlanPass& p
                 continue;
             more = true;
             const uint32_t job = block.job + mip - 1;
-            bindSets(frame, vk::PipelineBindPoint::eCompute, lower_,
+            const gpu::Pipeline& lower = mip < block.capacity.size() ? lower_ : lowerTail_;
+            bindSets(frame, vk::PipelineBindPoint::eCompute, lower,
                      {*pool.blocks()[size_t(block.block)].set});
-            pushConstants(commands, lower_, plan.push(job));
+            pushConstants(commands, lower, plan.push(job));
             commands.dispatchIndirect(plan.jobBuffer(), job * sizeof(shared::Job));
         }
         gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::computeReadWrite);

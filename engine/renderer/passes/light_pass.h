@@ -22,7 +22,7 @@ private:
                                         bool shadows);
 
     std::map<uint32_t, gpu::Pipeline> light_, cached_; // by features
-    gpu::Pipeline lower_;
+    gpu::Pipeline lower_, lowerTail_;
 };
 
 } // namespace lumel

@@ -27,10 +27,14 @@ PlanPass::PlanPass(const gpu::Device& device, const SceneState& scene, const Fee
                                      sizeof(shared::PlanPush))),
       classify_(gpu::makeComputePipeline(device, "classify.comp", {*scene.frameSet().layout()},
                                          sizeof(shared::PlanPush))),
+      classifyWaiting_(gpu::makeComputePipeline(device, "classify.comp", {*scene.frameSet().layout()},
+                                                sizeof(shared::PlanPush), shared::kFeatureWaiting)),
       budget_(gpu::makeComputePipeline(device, "budget.comp", {*scene.frameSet().layout()},
                                        sizeof(shared::PlanPush))),
       select_(gpu::makeComputePipeline(device, "select.comp", {*scene.frameSet().layout()},
                                        sizeof(shared::PlanPush))),
+      bound_(gpu::makeComputePipeline(device, "bound.comp", {*scene.frameSet().layout()},
+                                      sizeof(shared::PlanPush))),
       enlist_(gpu::makeComputePipeline(device, "enlist.comp", {*scene.frameSet().layout()},
                                        sizeof(shared::PlanPush))),
       surfaces_(device), plan_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::device, "plan"),
@@ -105,7 +109,7 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
     jobCount_ = uint32_t(table.size());
 
     using MemoryUsage = gpu::Buffer::MemoryUsage;
-    reserve(frame.device, marks_, 2 * tiles * sizeof(shared::Mark), MemoryUsage::device, "marks");
+    reserve(frame.device, marks_, 3 * tiles * sizeof(shared::Mark), MemoryUsage::device, "marks");
     reserve(frame.device, tiles_, first * sizeof(shared::JobTile), MemoryUsage::device, "tiles");
     reserve(frame.device, jobs_, table.size() * sizeof(shared::Job), MemoryUsage::device, "jobs");
     reserve(frame.device, upload_, table.size() * sizeof(shared::Job), MemoryUsage::host, "jobs upload");
@@ -174,8 +178,8 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
     gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::transferWrite);
     commands.fillBuffer(plan_.handle(), offsetof(shared::Plan, groups) + 2 * sizeof(uint32_t),
                         sizeof(uint32_t), 1);
-    commands.fillBuffer(plan_.handle(), offsetof(shared::Plan, chosenGroups) + sizeof(uint32_t),
-                        2 * sizeof(uint32_t), 1);
+    for (const size_t groups : {offsetof(shared::Plan, chosenGroups), offsetof(shared::Plan, unboundGroups)})
+        commands.fillBuffer(plan_.handle(), groups + sizeof(uint32_t), 2 * sizeof(uint32_t), 1);
     if (jobCount_ > 0)
         commands.copyBuffer(upload_.handle(), jobs_.handle(),
                             vk::BufferCopy{.size = jobCount_ * sizeof(shared::Job)});
@@ -195,7 +199,7 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
                                 .budgetQuads = frame.lumelBudget / shared::kQuadLumels,
                                 .refreshShare = settings.refreshShare,
                                 .tolerance = settings.tolerance,
-                                .markCapacity = uint32_t(marks_.size() / (2 * sizeof(shared::Mark))),
+                                .markCapacity = uint32_t(marks_.size() / (3 * sizeof(shared::Mark))),
                                 .surfaces = surfaces_.state()};
     const auto bind = [&](const gpu::Pipeline& pipeline, std::initializer_list<vk::DescriptorSet> sets = {}) {
         bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, sets);
@@ -205,7 +209,7 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
     bind(mark_, {feedback.set()});
     dispatchList(commands, std::max(samples.x * samples.y, objectCount));
     wait();
-    for (const gpu::Pipeline* pass : {&classify_, &select_}) {
+    for (const gpu::Pipeline* pass : {frame.lumelBudget < ~0u ? &classifyWaiting_ : &classify_, &select_}) {
         bind(budget_);
         commands.dispatch(1, 1, 1);
         wait();
@@ -213,6 +217,9 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
         commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, groups));
         wait();
     }
+    bind(bound_);
+    commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, unboundGroups));
+    wait();
     bind(enlist_);
     commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, chosenGroups));
     wait();

@@ -53,7 +53,7 @@ private:
     uint32_t lightJobOf(Surface surface, const GpuMaterial* material, int block);
     uint32_t lowerJobOf(int block, uint32_t tail);
 
-    gpu::Pipeline mark_, classify_, budget_, select_, enlist_;
+    gpu::Pipeline mark_, classify_, classifyWaiting_, budget_, select_, bound_, enlist_;
     SurfaceCache surfaces_;
     gpu::Buffer plan_, readback_, upload_, jobs_, marks_, tiles_;
     std::vector<LightJob> lightJobs_;

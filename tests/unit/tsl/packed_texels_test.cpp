@@ -1,4 +1,5 @@
 #include "tsl/packed_texels.h"
+#include <bit>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -73,23 +74,30 @@ TEST(PackedTexels, GuttersNameTheNearestCoveredLumel)
     EXPECT_GT(gutters, 100);
 }
 
-TEST(PackedTexels, MasksNameTheQuadsWithSurfaceOrGutter)
+TEST(PackedTexels, MasksNameTheQuadsWithSurfaceOrGutterAndTheCovered)
 {
+    int wholeQuads = 0;
     const TexelMap map = scatteredMap({128, 64});
     const PackedTexels packed = pack(map);
     for (uint32_t level = 0; level < map.levels; ++level) {
         const glm::uvec2 size = map.levelSize(level), tiles = (size + 7u) / 8u;
         for (uint32_t tile = 0; tile < tiles.x * tiles.y; ++tile) {
-            uint32_t expected = 0;
+            uint32_t any = 0, whole = shared::kAllQuads;
             for (uint32_t i = 0; i < 64; ++i) {
                 const uint32_t x = tile % tiles.x * 8 + i % 8, y = tile / tiles.x * 8 + i / 8;
-                if (x < size.x && y < size.y && map.at(level, x, y) != 0)
-                    expected |= 1u << (i / 8 / 2 * 4 + i % 8 / 2);
+                if (x >= size.x || y >= size.y)
+                    continue;
+                const uint32_t quad = 1u << (i / 8 / 2 * 4 + i % 8 / 2);
+                any |= map.at(level, x, y) != 0 ? quad : 0u;
+                if (map.at(level, x, y) >> shared::kTexelCoverageShift < 253)
+                    whole &= ~quad;
             }
-            ASSERT_EQ(packed.words[packed.offsets[level] + size.x * size.y + tile], expected)
+            wholeQuads += std::popcount(whole & any);
+            ASSERT_EQ(packed.words[packed.offsets[level] + size.x * size.y + tile], any | whole << 16)
                 << level << ", " << tile;
         }
     }
+    EXPECT_GT(wholeQuads, 20);
 }
 
 } // namespace
