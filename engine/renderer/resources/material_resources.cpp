@@ -31,8 +31,11 @@ MaterialResources::MaterialResources(const gpu::Device& device, const scene::Sce
     for (const auto v : kAddressModes)
         for (const auto u : kAddressModes)
             samplers_.push_back(gpu::makeSampler(device, {.u = u, .v = v, .mips = true}));
+    materials_.resize(baked.size()); // before the batch: it must not outlive what it fills
+    gpu::UploadBatch batch(device);
     for (size_t i = 0; i < baked.size(); ++i)
-        materials_.push_back(upload(device, baked[i], scene.materials[i]));
+        upload(device, batch, baked[i], scene.materials[i], materials_[i]);
+    batch.finish();
 }
 
 vk::Sampler MaterialResources::samplerOf(const scene::UvMapping& uv) const
@@ -40,13 +43,13 @@ vk::Sampler MaterialResources::samplerOf(const scene::UvMapping& uv) const
     return *samplers_[size_t(uv.wrapU) + kAddressModes.size() * size_t(uv.wrapV)];
 }
 
-GpuMaterial MaterialResources::upload(const gpu::Device& device, const scene::BakedMaterial& baked,
-                                      const scene::Material& source) const
+void MaterialResources::upload(const gpu::Device& device, gpu::UploadBatch& batch,
+                               const scene::BakedMaterial& baked, const scene::Material& source,
+                               GpuMaterial& material) const
 {
     const auto image = [&](const scene::HalfChain& chain, const char* what) {
-        return uploadChain(device, chain, source.name + what);
+        return uploadChain(batch, chain, source.name + what);
     };
-    GpuMaterial material;
     material.normal = image(baked.reflectance.normal, " normal");
     material.specular = image(baked.reflectance.specular, " specular");
     material.diffuse = image(baked.reflectance.diffuse, " diffuse");
@@ -59,7 +62,6 @@ GpuMaterial MaterialResources::upload(const gpu::Device& device, const scene::Ba
                                   &material.opacity, &material.base})
         gpu::writeSampled(device, *material.set, binding++,
                           samplerOf(map == &material.emissive ? source.emissionUv : source.uv), map->view());
-    return material;
 }
 
 } // namespace lumel

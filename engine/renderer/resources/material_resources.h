@@ -2,7 +2,7 @@
 // share them.
 #pragma once
 #include "gpu/pipeline.h"
-#include "gpu/resource.h"
+#include "gpu/upload.h"
 #include "scene/materials.h"
 
 namespace lumel {
@@ -26,8 +26,8 @@ public:
     const gpu::SetLayout& layout() const { return layout_; }
 
 private:
-    GpuMaterial upload(const gpu::Device& device, const scene::BakedMaterial& baked,
-                       const scene::Material& source) const;
+    void upload(const gpu::Device& device, gpu::UploadBatch& batch, const scene::BakedMaterial& baked,
+                const scene::Material& source, GpuMaterial& material) const;
     vk::Sampler samplerOf(const scene::UvMapping& uv) const;
 
     gpu::SetLayout layout_;
