@@ -2,7 +2,6 @@
 #include "core/error.h"
 #include <algorithm>
 #include <fmt/format.h>
-#include <numeric>
 #include <optional>
 
 namespace lumel::gpu {
@@ -50,11 +49,6 @@ uint64_t roundedUp(uint64_t size, uint64_t step)
 }
 
 } // namespace
-
-uint64_t MemoryReport::usedBytes() const
-{
-    return std::accumulate(bytes.begin(), bytes.end(), uint64_t(0));
-}
 
 std::vector<uint32_t> memoryTypesFor(const vk::PhysicalDeviceMemoryProperties& memory, uint32_t typeBits,
                                      MemoryUsage usage)

@@ -3,40 +3,17 @@
 #pragma once
 #include "free_ranges.h"
 #include "limits.h"
-#include <array>
+#include "memory_report.h"
 #include <memory>
 #include <mutex>
 
 namespace lumel::gpu {
-
-// What it is for; counted apart.
-enum class MemoryKind {
-    litTextures,
-    surfaceCache,
-    materials,
-    geometry,
-    texelMaps,
-    targets,
-    buffers,
-    staging
-};
-constexpr std::array kMemoryKindNames = {"lit_textures", "surface_cache", "materials", "geometry",
-                                         "texel_maps",   "targets",       "buffers",   "staging"};
 
 enum class MemoryUsage {
     device,   // the GPU reads and writes it
     host,     // the CPU writes it each frame, the GPU reads it; the CPU never does: it may be uncached
     staging,  // the CPU writes it once, for a copy
     readback, // copies write it, the CPU reads it
-};
-
-struct MemoryReport {
-    std::array<uint64_t, kMemoryKindNames.size()> bytes{}; // in use, by MemoryKind
-    uint64_t allocatedBytes = 0;                           // from the driver
-    uint32_t allocations = 0;                              // likewise
-
-    uint64_t usedBytes() const;
-    uint64_t of(MemoryKind kind) const { return bytes[size_t(kind)]; }
 };
 
 // Indices of the memory types that serve the usage, best first; typeBits: those that the resource may have.
