@@ -202,8 +202,8 @@ void Device::createDevice()
                                          .queueFamilyIndex = queueFamily_};
     commandPool_ = vk::raii::CommandPool(device_, pool);
     oncePool_ = vk::raii::CommandPool(device_, pool);
-    // Sets: one a material, a pool block and a pass. 4096 materials with 8 images each fill it.
-    const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eCombinedImageSampler, 32768},
+    // Sets: one a pool block and a pass. Materials have a pool of their own.
+    const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eCombinedImageSampler, 16384},
                                             {vk::DescriptorType::eStorageImage, 16384},
                                             {vk::DescriptorType::eUniformBuffer, 64},
                                             {vk::DescriptorType::eUniformTexelBuffer, 64}};

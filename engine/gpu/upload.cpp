@@ -1,5 +1,6 @@
 #include "upload.h"
 #include "barrier.h"
+#include "core/error.h"
 #include <algorithm>
 
 namespace lumel::gpu {
@@ -93,7 +94,12 @@ void UploadBatch::open(Part& part, size_t least)
                                       {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer |
                                                 vk::CommandPoolCreateFlagBits::eTransient,
                                        .queueFamilyIndex = device_.queueFamily()});
-    part.staging = Buffer(device_, std::max(kPartBytes, least), MemoryUsage::staging, "staging");
+    try {
+        part.staging = Buffer(device_, std::max(kPartBytes, least), MemoryUsage::staging, "staging");
+    } catch (const Error&) { // whoever gives up destroys what the other part is copied to
+        wait(parts_[1 - current_]);
+        throw;
+    }
     if (*part.fence)
         return;
     vk::raii::CommandBuffers buffers(device_.handle(), {.commandPool = *pool_, .commandBufferCount = 1});

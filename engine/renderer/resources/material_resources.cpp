@@ -6,6 +6,8 @@
 namespace lumel {
 namespace {
 
+constexpr size_t kMaps = 6; // of a material
+
 // By scene::Wrap.
 constexpr std::array kAddressModes = {vk::SamplerAddressMode::eRepeat,
                                       vk::SamplerAddressMode::eMirroredRepeat,
@@ -26,7 +28,8 @@ uint32_t constantMaps(const GpuMaterial& material)
 MaterialResources::MaterialResources(const gpu::Device& device, const scene::Scene& scene,
                                      const std::vector<scene::BakedMaterial>& baked)
     : layout_(gpu::makeSetLayout(
-          device, std::vector<vk::DescriptorType>(6, vk::DescriptorType::eCombinedImageSampler)))
+          device, std::vector<vk::DescriptorType>(kMaps, vk::DescriptorType::eCombinedImageSampler))),
+      pool_(gpu::makeSamplerPool(device, baked.size(), kMaps))
 {
     for (const auto v : kAddressModes)
         for (const auto u : kAddressModes)
@@ -56,7 +59,7 @@ void MaterialResources::upload(const gpu::Device& device, gpu::UploadBatch& batc
     material.emissive = image(baked.emissive, " emissive");
     material.opacity = image(baked.opacity, " opacity");
     material.base = image(baked.reflectance.base, " base");
-    material.set = gpu::makeSet(device, layout_);
+    material.set = gpu::makeSet(device, pool_, layout_);
     uint32_t binding = 0;
     for (const gpu::Image* map : {&material.normal, &material.specular, &material.diffuse, &material.emissive,
                                   &material.opacity, &material.base})

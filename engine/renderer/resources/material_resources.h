@@ -31,6 +31,7 @@ private:
     vk::Sampler samplerOf(const scene::UvMapping& uv) const;
 
     gpu::SetLayout layout_;
+    vk::raii::DescriptorPool pool_;
     std::vector<vk::raii::Sampler> samplers_; // by wrapU + 3 wrapV
     std::vector<GpuMaterial> materials_;
 };
