@@ -6,6 +6,7 @@
 #include "renderer/demands.h"
 #include "test_scene.h"
 #include <random>
+#include <thread>
 
 using namespace lumel;
 using namespace lumel::test;
@@ -119,6 +120,32 @@ TEST(StagedUpload, PicturesAreTheSame)
         EXPECT_EQ(renderer.readDisplay().pixels, shoot(s, camera, settingsFor(shading)).display.pixels);
     }
     EXPECT_EQ(staging.validationMessages(), std::vector<std::string>{});
+}
+
+// As the viewer's loader may; validation checks that no handle is used by two threads at a time.
+TEST_F(UploadTest, AnotherThreadUploadsWhileFramesAreRendered)
+{
+    const TestScene s = sphereScene(bumpyMaps(64, 0.3f, 50.0f));
+    const scene::Camera camera = cameraAt({0.0f, 0.0f, 3.0f});
+    const Image alone = shoot(s, camera, settingsFor(Shading::tsl)).display;
+    Renderer renderer(device(), s.scene, s.materials, settingsFor(Shading::tsl));
+    std::atomic<bool> rendered = false;
+    SceneResources resources;
+    int uploads = 0;
+    std::jthread loader([&] {
+        for (; uploads < 2 || !rendered; ++uploads)
+            resources = uploadScene(device(), s.scene, s.materials);
+    });
+    for (int i = 0; i < 20; ++i) {
+        renderer.restart();
+        renderer.render(camera);
+        EXPECT_EQ(renderer.readDisplay().pixels, alone.pixels);
+    }
+    rendered = true;
+    loader.join();
+    Renderer of(device(), s.scene, resources, settingsFor(Shading::tsl));
+    of.render(camera);
+    EXPECT_EQ(of.readDisplay().pixels, alone.pixels);
 }
 
 // One allocation a resource met the limit of many drivers, 4096, with some 680 materials.
