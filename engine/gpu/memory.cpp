@@ -79,9 +79,9 @@ struct Memory::Block {
     Allocator& owner;
     vk::raii::DeviceMemory memory;
     FreeRanges ranges;
-    std::pair<uint32_t, bool> pool;
-    bool own;      // of one resource
-    bool coherent; // host-coherent
+    std::pair<uint32_t, bool> key; // of the blocks that it is one of
+    bool own;                      // of one resource
+    bool coherent;                 // host-coherent
     std::byte* mapped;
 };
 
@@ -144,15 +144,15 @@ Memory Allocator::place(const MemoryRequest& request, uint32_t type)
     const uint64_t step = byAtoms ? limits_.core.nonCoherentAtomSize : 1;
     const uint64_t size = roundedUp(request.requirements.size, step);
     const uint64_t alignment = std::max({request.requirements.alignment, step, kLeastAlignment});
-    Pool& pool = pools_[{type, bool(request.image)}];
+    Blocks& blocks = blocks_[{type, bool(request.image)}];
     if (!request.own && size < kOwnBytes) {
-        for (const auto& block : pool.blocks)
+        for (const auto& block : blocks)
             if (Memory memory = takeFrom(*block, request, size, alignment); memory.block_)
                 return memory;
-        if (Memory::Block* block = addBlock(pool, request, type, nextBlockBytes(pool, type, size), false))
+        if (Memory::Block* block = addBlock(blocks, request, type, nextBlockBytes(blocks, type, size), false))
             return takeFrom(*block, request, size, alignment);
     }
-    Memory::Block* own = addBlock(pool, request, type, size, true);
+    Memory::Block* own = addBlock(blocks, request, type, size, true);
     return own ? takeFrom(*own, request, size, 1) : Memory();
 }
 
@@ -168,11 +168,11 @@ Memory Allocator::takeFrom(Memory::Block& block, const MemoryRequest& request, u
     return memory;
 }
 
-uint64_t Allocator::nextBlockBytes(const Pool& pool, uint32_t type, uint64_t least) const
+uint64_t Allocator::nextBlockBytes(const Blocks& blocks, uint32_t type, uint64_t least) const
 {
     const uint64_t heap = memory_.memoryHeaps[memory_.memoryTypes[type].heapIndex].size;
     uint64_t bytes = 0;
-    for (const auto& block : pool.blocks)
+    for (const auto& block : blocks)
         bytes += block->own ? 0 : block->ranges.size();
     const uint64_t most = std::clamp(heap / kHeapShare, kFirstBlockBytes, kMostBlockBytes);
     bytes = std::clamp(bytes, kFirstBlockBytes, most);
@@ -180,8 +180,8 @@ uint64_t Allocator::nextBlockBytes(const Pool& pool, uint32_t type, uint64_t lea
 }
 
 // Null when the heap is exhausted. Throws Error beyond the device's limits.
-Memory::Block* Allocator::addBlock(Pool& pool, const MemoryRequest& request, uint32_t type, uint64_t bytes,
-                                   bool own)
+Memory::Block* Allocator::addBlock(Blocks& blocks, const MemoryRequest& request, uint32_t type,
+                                   uint64_t bytes, bool own)
 {
     const auto problems = unmet(limits_, bytes, report_.allocations + 1, request.remedy);
     if (!problems.empty())
@@ -198,7 +198,7 @@ Memory::Block* Allocator::addBlock(Pool& pool, const MemoryRequest& request, uin
         void* mapped = nullptr;
         if ((properties & Property::eHostVisible) && !images)
             mapped = memory.mapMemory(0, VK_WHOLE_SIZE);
-        pool.blocks.push_back(
+        blocks.push_back(
             std::unique_ptr<Memory::Block>(new Memory::Block{*this,
                                                              std::move(memory),
                                                              FreeRanges(bytes),
@@ -210,19 +210,21 @@ Memory::Block* Allocator::addBlock(Pool& pool, const MemoryRequest& request, uin
         return nullptr;
     } catch (const vk::OutOfHostMemoryError&) { // software devices
         return nullptr;
+    } catch (const vk::MemoryMapFailedError&) { // no room among the addresses
+        return nullptr;
     }
     ++report_.allocations;
     report_.allocatedBytes += bytes;
-    return pool.blocks.back().get();
+    return blocks.back().get();
 }
 
-// Empty blocks are returned to the driver, apart from a pool's first, which is small.
+// Empty blocks are returned to the driver, apart from the first of a type, which is small.
 void Allocator::free(Memory::Block& block, const Memory::Frees& range)
 {
     const std::lock_guard lock(mutex_);
     block.ranges.give(range.offset, range.size);
     report_.bytes[size_t(range.kind)] -= range.size;
-    auto& blocks = pools_[block.pool].blocks;
+    Blocks& blocks = blocks_[block.key];
     const bool kept = !block.own && &block == blocks.front().get() && block.ranges.size() <= kFirstBlockBytes;
     if (!block.ranges.allFree() || kept)
         return;

@@ -72,22 +72,21 @@ public:
 
 private:
     friend class Memory;
-    // Buffers and images lie in blocks of their own: so bufferImageGranularity holds whatever it is.
-    struct Pool {
-        std::vector<std::unique_ptr<Memory::Block>> blocks;
-    };
+    using Blocks = std::vector<std::unique_ptr<Memory::Block>>;
     Memory place(const MemoryRequest& request, uint32_t type);
     Memory takeFrom(Memory::Block& block, const MemoryRequest& request, uint64_t size, uint64_t alignment);
-    Memory::Block* addBlock(Pool& pool, const MemoryRequest& request, uint32_t type, uint64_t bytes,
+    Memory::Block* addBlock(Blocks& blocks, const MemoryRequest& request, uint32_t type, uint64_t bytes,
                             bool own);
-    uint64_t nextBlockBytes(const Pool& pool, uint32_t type, uint64_t least) const;
+    uint64_t nextBlockBytes(const Blocks& blocks, uint32_t type, uint64_t least) const;
     void free(Memory::Block& block, const Memory::Frees& range);
 
     const vk::raii::Device& device_;
     const vk::PhysicalDeviceMemoryProperties memory_;
     const Limits limits_;
     mutable std::mutex mutex_;
-    std::map<std::pair<uint32_t, bool>, Pool> pools_; // by type, and whether it is of images
+    // By memory type, and whether they are of images. So that bufferImageGranularity holds, whatever it is,
+    // buffers and images share no block.
+    std::map<std::pair<uint32_t, bool>, Blocks> blocks_;
     MemoryReport report_;
 };
 
