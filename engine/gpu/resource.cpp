@@ -74,22 +74,25 @@ Counters::Counters(const Device& device, std::span<const std::byte> initial, con
 {
 }
 
-void Counters::recordReset(vk::CommandBuffer commands) const
+void Counters::recordReset(vk::CommandBuffer commands, List list)
 {
-    if (bytes_ == 0)
-        return;
-    memoryBarrier(commands, Use::computeReadWrite, Use::transferWrite);
-    memoryBarrier(commands, Use::transferRead, Use::transferWrite);
-    commands.copyBuffer(initial_.handle(), counters_.handle(), vk::BufferCopy{.size = bytes_});
+    const vk::MemoryBarrier2 before[] = {makeMemoryBarrier(Use::computeReadWrite, Use::transferWrite),
+                                         makeMemoryBarrier(Use::transferRead, Use::transferWrite)};
+    commands.pipelineBarrier2(vk::DependencyInfo{}.setMemoryBarriers(before));
+    for (const Counters* c : list)
+        if (c->bytes_ > 0)
+            commands.copyBuffer(c->initial_.handle(), c->counters_.handle(),
+                                vk::BufferCopy{.size = c->bytes_});
     memoryBarrier(commands, Use::transferWrite, Use::computeReadWrite);
 }
 
-void Counters::recordRead(vk::CommandBuffer commands) const
+void Counters::recordRead(vk::CommandBuffer commands, List list)
 {
-    if (bytes_ == 0)
-        return;
     memoryBarrier(commands, Use::computeWrite, Use::transferRead);
-    commands.copyBuffer(counters_.handle(), readback_.handle(), vk::BufferCopy{.size = bytes_});
+    for (const Counters* c : list)
+        if (c->bytes_ > 0)
+            commands.copyBuffer(c->counters_.handle(), c->readback_.handle(),
+                                vk::BufferCopy{.size = c->bytes_});
     memoryBarrier(commands, Use::transferWrite, Use::hostRead);
 }
 

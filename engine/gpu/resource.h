@@ -52,9 +52,10 @@ public:
     {
     }
 
+    using List = std::initializer_list<const Counters*>;
+    static void recordReset(vk::CommandBuffer commands, List list); // then compute shaders may count
+    static void recordRead(vk::CommandBuffer commands, List list);  // what compute shaders have counted
     vk::DeviceAddress address() const { return counters_.address(); }
-    void recordReset(vk::CommandBuffer commands) const; // then compute shaders may count
-    void recordRead(vk::CommandBuffer commands) const;  // what compute shaders have counted
     // After the recorded commands have finished.
     template<class T>
     const T* read() const

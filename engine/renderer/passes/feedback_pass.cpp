@@ -140,8 +140,7 @@ void FeedbackPass::recount(Frame& frame)
 
 void FeedbackPass::count(Frame& frame)
 {
-    objects_.recordReset(frame.commands);
-    total_.recordReset(frame.commands);
+    gpu::Counters::recordReset(frame.commands, {&objects_, &total_});
     bindSets(frame, vk::PipelineBindPoint::eCompute, count_, {*set_});
     pushConstants(frame.commands, count_,
                   shared::FeedbackPush{.objects = objects_.address(),
@@ -151,8 +150,7 @@ void FeedbackPass::count(Frame& frame)
                                        .object = 0,
                                        .size = samples_});
     dispatchList(frame.commands, samples_.x * samples_.y);
-    objects_.recordRead(frame.commands);
-    total_.recordRead(frame.commands);
+    gpu::Counters::recordRead(frame.commands, {&objects_, &total_});
 }
 
 void FeedbackPass::read(Frame& frame) const

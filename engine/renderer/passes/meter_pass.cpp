@@ -18,7 +18,7 @@ void MeterPass::record(Frame& frame)
     const PassScope scope(frame, "meter");
     const gpu::Image& hdr = frame.targets.hdr;
     gpu::writeSampled(frame.device, *set_, 0, *sampler_, hdr.view());
-    histogram_.recordReset(frame.commands);
+    gpu::Counters::recordReset(frame.commands, {&histogram_});
     gpu::imageBarrier(frame.commands, hdr.handle(), hdr.aspect(), gpu::Use::colorWrite,
                       gpu::Use::computeSample);
     bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline_, {*set_});
@@ -26,7 +26,7 @@ void MeterPass::record(Frame& frame)
                   shared::MeterPush{.histogram = histogram_.address(), .size = frame.renderSize});
     const uint32_t strips = (frame.renderSize.y + shared::kMeterRows - 1) / shared::kMeterRows;
     frame.commands.dispatch(groupsOf64(frame.renderSize.x), strips, 1);
-    histogram_.recordRead(frame.commands);
+    gpu::Counters::recordRead(frame.commands, {&histogram_});
 }
 
 LuminanceHistogram MeterPass::read() const
