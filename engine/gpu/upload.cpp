@@ -26,12 +26,13 @@ Buffer UploadBatch::buffer(std::span<const std::byte> data, const std::string& n
 {
     Buffer result(device_, data.size(), MemoryUsage::device, name, "use a smaller scene", kind);
     if (auto* shared = result.mapped<std::byte>()) { // submitting makes it visible
-        std::ranges::copy(data, shared);
+        if (!data.empty())
+            std::memcpy(shared, data.data(), data.size());
         return result;
     }
     for (size_t done = 0; done < data.size();) {
         const Room room = reserve(1, data.size() - done);
-        std::ranges::copy(data.subspan(done, room.bytes.size()), room.bytes.begin());
+        std::memcpy(room.bytes.data(), data.data() + done, room.bytes.size());
         part().buffers.push_back(
             {result.handle(), {.srcOffset = room.offset, .dstOffset = done, .size = room.bytes.size()}});
         done += room.bytes.size();
@@ -67,7 +68,7 @@ void UploadBatch::copyMip(const Image& image, uint32_t mip, std::span<const std:
     for (uint32_t row = 0, count = 0; row < height; row += count) {
         const Room room = reserve(rowBytes, (height - row) * rowBytes);
         count = uint32_t(room.bytes.size() / rowBytes);
-        std::ranges::copy(texels.subspan(row * rowBytes, count * rowBytes), room.bytes.begin());
+        std::memcpy(room.bytes.data(), texels.data() + row * rowBytes, count * rowBytes);
         part().images.push_back({image.handle(),
                                  {.bufferOffset = room.offset,
                                   .imageSubresource = {image.aspect(), mip, 0, 1},
