@@ -49,33 +49,42 @@ UseMasks masksOf(Use use)
     return {};
 }
 
-void imageBarrier(vk::CommandBuffer commands, vk::Image image, vk::ImageAspectFlags aspect, Use from, Use to)
+vk::ImageMemoryBarrier2 makeImageBarrier(vk::Image image, vk::ImageAspectFlags aspect, Use from, Use to)
 {
     const UseMasks a = masksOf(from), b = masksOf(to);
     // An image whose contents do not matter may still be in use by the previous frame's commands: wait for
     // whatever the new use would collide with.
-    const vk::ImageMemoryBarrier2 barrier{
-        .srcStageMask = from == Use::undefined ? vk::PipelineStageFlagBits2::eAllCommands : a.stage,
-        .srcAccessMask = from == Use::undefined ? vk::AccessFlagBits2::eMemoryWrite : a.access,
-        .dstStageMask = b.stage,
-        .dstAccessMask = b.access,
-        .oldLayout = a.layout,
-        .newLayout = b.layout,
-        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .image = image,
-        .subresourceRange = {aspect, 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS}};
+    return {.srcStageMask = from == Use::undefined ? vk::PipelineStageFlagBits2::eAllCommands : a.stage,
+            .srcAccessMask = from == Use::undefined ? vk::AccessFlagBits2::eMemoryWrite : a.access,
+            .dstStageMask = b.stage,
+            .dstAccessMask = b.access,
+            .oldLayout = a.layout,
+            .newLayout = b.layout,
+            .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+            .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+            .image = image,
+            .subresourceRange = {aspect, 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS}};
+}
+
+void imageBarrier(vk::CommandBuffer commands, vk::Image image, vk::ImageAspectFlags aspect, Use from, Use to)
+{
+    const vk::ImageMemoryBarrier2 barrier = makeImageBarrier(image, aspect, from, to);
     commands.pipelineBarrier2(
         vk::DependencyInfo{.imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &barrier});
 }
 
-void memoryBarrier(vk::CommandBuffer commands, Use from, Use to)
+vk::MemoryBarrier2 makeMemoryBarrier(Use from, Use to)
 {
     const UseMasks a = masksOf(from), b = masksOf(to);
-    const vk::MemoryBarrier2 barrier{.srcStageMask = a.stage,
-                                     .srcAccessMask = a.access,
-                                     .dstStageMask = b.stage,
-                                     .dstAccessMask = b.access};
+    return {.srcStageMask = a.stage,
+            .srcAccessMask = a.access,
+            .dstStageMask = b.stage,
+            .dstAccessMask = b.access};
+}
+
+void memoryBarrier(vk::CommandBuffer commands, Use from, Use to)
+{
+    const vk::MemoryBarrier2 barrier = makeMemoryBarrier(from, to);
     commands.pipelineBarrier2(vk::DependencyInfo{.memoryBarrierCount = 1, .pMemoryBarriers = &barrier});
 }
 

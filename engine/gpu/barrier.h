@@ -30,8 +30,10 @@ struct UseMasks {
 UseMasks masksOf(Use use);
 
 // All mips and layers of an image.
+vk::ImageMemoryBarrier2 makeImageBarrier(vk::Image image, vk::ImageAspectFlags aspect, Use from, Use to);
 void imageBarrier(vk::CommandBuffer commands, vk::Image image, vk::ImageAspectFlags aspect, Use from, Use to);
 // Everything else: buffers, and images that keep their layout.
+vk::MemoryBarrier2 makeMemoryBarrier(Use from, Use to);
 void memoryBarrier(vk::CommandBuffer commands, Use from, Use to);
 
 } // namespace lumel::gpu

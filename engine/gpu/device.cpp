@@ -11,8 +11,6 @@
 namespace lumel::gpu {
 namespace {
 
-constexpr auto kSeenByHost =
-    vk::MemoryPropertyFlagBits::eHostVisible | vk::MemoryPropertyFlagBits::eHostCoherent;
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
@@ -96,7 +94,7 @@ std::vector<std::string> deviceNames()
 }
 
 Device::Device(const DeviceOptions& options)
-    : validation_(options.validation), windowExtensions_(options.windowExtensions)
+    : validation_(options.validation), windowExtensions_(options.windowExtensions), stage_(options.stage)
 {
     createInstance();
     choosePhysical(options);
@@ -176,7 +174,6 @@ void Device::choosePhysical(const DeviceOptions& options)
     properties_ = physical_.getProperties();
     queueFamily_ = *queueFamilyOf(physical_);
     limits_ = limitsOf(physical_, queueFamily_, options.demands);
-    memory_ = physical_.getMemoryProperties();
     const auto chain =
         physical_.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
     const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
@@ -199,12 +196,14 @@ void Device::createDevice()
              {.scalarBlockLayout = VK_TRUE, .bufferDeviceAddress = VK_TRUE},
              {.synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE, .maintenance4 = VK_TRUE});
     device_ = vk::raii::Device(physical_, info.get<vk::DeviceCreateInfo>());
+    allocator_ = std::make_unique<Allocator>(device_, physical_.getMemoryProperties(), limits_);
     queue_ = vk::raii::Queue(device_, queueFamily_, 0);
-    commandPool_ =
-        vk::raii::CommandPool(device_, {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
-                                        .queueFamilyIndex = queueFamily_});
-    // Sets: one a material, a pool block and a pass. 4096 materials with 8 images each fill it.
-    const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eCombinedImageSampler, 32768},
+    const vk::CommandPoolCreateInfo pool{.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
+                                         .queueFamilyIndex = queueFamily_};
+    commandPool_ = vk::raii::CommandPool(device_, pool);
+    oncePool_ = vk::raii::CommandPool(device_, pool);
+    // Sets: one a pool block and a pass. Materials have a pool of their own.
+    const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eCombinedImageSampler, 16384},
                                             {vk::DescriptorType::eStorageImage, 16384},
                                             {vk::DescriptorType::eUniformBuffer, 64},
                                             {vk::DescriptorType::eUniformTexelBuffer, 64}};
@@ -214,6 +213,7 @@ void Device::createDevice()
                                            .poolSizeCount = uint32_t(std::size(sizes)),
                                            .pPoolSizes = sizes});
     fence_ = vk::raii::Fence(device_, vk::FenceCreateInfo{});
+    onceFence_ = vk::raii::Fence(device_, vk::FenceCreateInfo{});
 }
 
 std::vector<std::string> Device::validationMessages() const
@@ -222,42 +222,26 @@ std::vector<std::string> Device::validationMessages() const
     return validationLog_->messages;
 }
 
-Memory Device::allocate(const vk::MemoryRequirements& requirements, vk::MemoryPropertyFlags wanted,
-                        const std::string& remedy, bool deviceAddress) const
-{
-    const auto problems = unmet(limits_, requirements.size, memoryCount_.allocations + 1, remedy);
-    if (!problems.empty())
-        throw Error("Vulkan: " + problems.front());
-    for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
-        const bool fits = requirements.memoryTypeBits & (1u << i);
-        if (!fits || (memory_.memoryTypes[i].propertyFlags & wanted) != wanted)
-            continue;
-        const vk::MemoryAllocateFlagsInfo flags{.flags = vk::MemoryAllocateFlagBits::eDeviceAddress};
-        try {
-            Memory memory{.handle = {device_,
-                                     {.pNext = deviceAddress ? &flags : nullptr,
-                                      .allocationSize = requirements.size,
-                                      .memoryTypeIndex = i}},
-                          .seenByHost = (memory_.memoryTypes[i].propertyFlags & kSeenByHost) == kSeenByHost};
-            ++memoryCount_.allocations;
-            memoryCount_.bytes += requirements.size;
-            memory.counted = {&memoryCount_, FreesCounted{requirements.size}};
-            return memory;
-        } catch (const vk::OutOfDeviceMemoryError&) {
-        } catch (const vk::OutOfHostMemoryError&) { // software devices
-        }
-    }
-    throw Error(fmt::format("Vulkan: {} MiB: out of device memory; {}", requirements.size >> 20, remedy));
-}
-
-void Device::submitAndWait(vk::CommandBuffer commands) const
+void Device::submit(vk::CommandBuffer commands, vk::Fence fence) const
 {
     const vk::CommandBufferSubmitInfo submitted{.commandBuffer = commands};
-    queue_.submit2(vk::SubmitInfo2{.commandBufferInfoCount = 1, .pCommandBufferInfos = &submitted}, *fence_);
+    const auto lock = lockQueue();
+    queue_.submit2(vk::SubmitInfo2{.commandBufferInfoCount = 1, .pCommandBufferInfos = &submitted}, fence);
+    ++submissions_;
+}
+
+void Device::wait(vk::Fence fence) const
+{
     constexpr uint64_t kTenMinutesNs = 600'000'000'000ull;
-    if (device_.waitForFences(*fence_, VK_TRUE, kTenMinutesNs) != vk::Result::eSuccess)
+    if (device_.waitForFences(fence, VK_TRUE, kTenMinutesNs) != vk::Result::eSuccess)
         throw Error("Vulkan: the device did not finish within ten minutes; lower --size or --samples");
-    device_.resetFences(*fence_);
+    device_.resetFences(fence);
+}
+
+void Device::submitAndWait(vk::CommandBuffer commands, vk::Fence fence) const
+{
+    submit(commands, fence);
+    wait(fence);
 }
 
 vk::raii::CommandBuffer Device::makeCommands() const
@@ -269,12 +253,12 @@ vk::raii::CommandBuffer Device::makeCommands() const
 void Device::runOnce(const std::function<void(vk::CommandBuffer)>& record) const
 {
     const std::lock_guard lock(once_);
-    const vk::raii::CommandBuffer buffer = makeCommands();
-    const vk::CommandBuffer commands = *buffer;
+    const vk::raii::CommandBuffers buffers(device_, {.commandPool = *oncePool_, .commandBufferCount = 1});
+    const vk::CommandBuffer commands = *buffers.front();
     commands.begin(vk::CommandBufferBeginInfo{.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
     record(commands);
     commands.end();
-    submitAndWait(commands);
+    submitAndWait(commands, *onceFence_);
 }
 
 void Device::beginLabel(vk::CommandBuffer commands, const char* text) const

@@ -1,11 +1,9 @@
 // The Vulkan device that everything runs on: instance, queue, memory, one-time commands.
 #pragma once
-#include "limits.h"
+#include "memory.h"
 #include "pipeline_cache.h"
 #include <atomic>
 #include <functional>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +15,7 @@ struct DeviceOptions {
     std::string device{}; // index, or part of its or its driver's name; empty = the first suitable one
     bool validation = false;
     bool keepPipelines = false; // in the user's cache folder
+    bool stage = false;         // write no device memory directly, as where the CPU sees none of it
     Demands demands{};          // beyond the features that every device must have
     // To present to a window: the instance extensions that its system asks for; empty = no window.
     std::vector<std::string> windowExtensions{};
@@ -24,27 +23,6 @@ struct DeviceOptions {
 
 // Names of all Vulkan devices, in the order of their indices.
 std::vector<std::string> deviceNames();
-
-// What is allocated of a device's memory: drivers limit the number of allocations.
-struct MemoryCount {
-    std::atomic<uint32_t> allocations = 0;
-    std::atomic<uint64_t> bytes = 0;
-};
-struct FreesCounted {
-    uint64_t bytes = 0;
-    void operator()(MemoryCount* count) const
-    {
-        --count->allocations;
-        count->bytes -= bytes;
-    }
-};
-
-// Device memory, counted while it lives.
-struct Memory {
-    vk::raii::DeviceMemory handle = nullptr;
-    bool seenByHost = false; // can be mapped, and is coherent
-    std::unique_ptr<MemoryCount, FreesCounted> counted{};
-};
 
 // Validation messages, collected while the device lives; tests fail on any.
 struct ValidationLog {
@@ -72,17 +50,21 @@ public:
     const Limits& limits() const { return limits_; }
     std::string driver() const { return driver_; }
     std::vector<std::string> validationMessages() const;
-    uint64_t allocatedBytes() const { return memoryCount_.bytes; }
+    // What is allocated of its memory.
+    Allocator& memory() const { return *allocator_; }
+    // Device memory that the CPU sees is written through copies nevertheless.
+    bool stages() const { return stage_; }
 
-    // Throws Error with the remedy when out of memory.
-    Memory allocate(const vk::MemoryRequirements& requirements, vk::MemoryPropertyFlags wanted,
-                    const std::string& remedy, bool deviceAddress = false) const;
-
-    vk::raii::CommandBuffer makeCommands() const;
-    // Records, submits and waits. For uploads and readbacks, not for frames. By one thread at a time: others
-    // wait, but no frame may be under way.
+    vk::raii::CommandBuffer makeCommands() const; // for the thread that renders
+    // Records, submits and waits. For uploads and readbacks, not for frames. From any thread, one at a time.
     void runOnce(const std::function<void(vk::CommandBuffer)>& record) const;
-    void submitAndWait(vk::CommandBuffer commands) const;
+    // From the thread that renders.
+    void submitAndWait(vk::CommandBuffer commands) const { submitAndWait(commands, *fence_); }
+    void submit(vk::CommandBuffer commands, vk::Fence fence) const; // from any thread
+    void wait(vk::Fence fence) const;                               // and reset it
+    // While whatever else uses the queue is called.
+    std::unique_lock<std::mutex> lockQueue() const { return std::unique_lock(queueMutex_); }
+    uint64_t submissions() const { return submissions_; }
 
     // Debug name of any Vulkan object; shown by validation and by capture tools.
     template<class Handle>
@@ -109,19 +91,22 @@ private:
     vk::raii::DebugUtilsMessengerEXT messenger_ = nullptr;
     vk::raii::PhysicalDevice physical_ = nullptr;
     vk::PhysicalDeviceProperties properties_;
-    vk::PhysicalDeviceMemoryProperties memory_;
     Limits limits_;
     std::string driver_;
     uint32_t queueFamily_ = 0;
+    bool stage_ = false;
     vk::raii::Device device_ = nullptr;
+    std::unique_ptr<Allocator> allocator_;
     std::unique_ptr<PipelineCache> pipelineCache_;
     vk::raii::Queue queue_ = nullptr;
-    vk::raii::CommandPool commandPool_ = nullptr;
+    vk::raii::CommandPool commandPool_ = nullptr, oncePool_ = nullptr;
     vk::raii::DescriptorPool descriptorPool_ = nullptr;
-    vk::raii::Fence fence_ = nullptr;
-    mutable MemoryCount memoryCount_;
-    mutable std::mutex once_; // queue and command pool serve one thread
+    vk::raii::Fence fence_ = nullptr, onceFence_ = nullptr;
+    mutable std::mutex once_; // guards oncePool_ and onceFence_
+    mutable std::mutex queueMutex_;
+    mutable std::atomic<uint64_t> submissions_ = 0;
 
+    void submitAndWait(vk::CommandBuffer commands, vk::Fence fence) const;
     void createInstance();
     void choosePhysical(const DeviceOptions& options);
     void createDevice();

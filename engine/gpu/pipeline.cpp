@@ -98,9 +98,25 @@ SetLayout makeSetLayout(const Device& device, const std::vector<vk::DescriptorTy
 
 vk::raii::DescriptorSet makeSet(const Device& device, const SetLayout& layout)
 {
+    return makeSet(device, device.descriptorPool(), layout);
+}
+
+vk::raii::DescriptorPool makeSamplerPool(const Device& device, size_t sets, size_t samplersASet)
+{
+    const size_t count = std::max<size_t>(sets, 1);
+    const vk::DescriptorPoolSize size{vk::DescriptorType::eCombinedImageSampler,
+                                      uint32_t(count * samplersASet)};
+    return {device.handle(),
+            vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
+                                         .maxSets = uint32_t(count)}
+                .setPoolSizes(size)};
+}
+
+vk::raii::DescriptorSet makeSet(const Device& device, const vk::raii::DescriptorPool& pool,
+                                const SetLayout& layout)
+{
     vk::raii::DescriptorSets sets(
-        device.handle(),
-        {.descriptorPool = *device.descriptorPool(), .descriptorSetCount = 1, .pSetLayouts = &*layout});
+        device.handle(), {.descriptorPool = *pool, .descriptorSetCount = 1, .pSetLayouts = &*layout});
     return std::move(sets.front());
 }
 

@@ -17,6 +17,10 @@ using SetLayout = vk::raii::DescriptorSetLayout;
 // `count` bindings of one type, for every stage.
 SetLayout makeSetLayout(const Device& device, const std::vector<vk::DescriptorType>& bindings);
 vk::raii::DescriptorSet makeSet(const Device& device, const SetLayout& layout);
+// The same from a pool of one's own: pools serve one thread at a time, the device's the one that renders.
+vk::raii::DescriptorPool makeSamplerPool(const Device& device, size_t sets, size_t samplersASet);
+vk::raii::DescriptorSet makeSet(const Device& device, const vk::raii::DescriptorPool& pool,
+                                const SetLayout& layout);
 void writeSampled(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::Sampler sampler,
                   vk::ImageView view, vk::ImageLayout layout = vk::ImageLayout::eShaderReadOnlyOptimal);
 void writeUniform(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::Buffer buffer);

@@ -1,13 +1,14 @@
 #include "resource.h"
 #include "barrier.h"
 #include "core/error.h"
+#include "upload.h"
 #include <algorithm>
 #include <fmt/format.h>
 
 namespace lumel::gpu {
 
 Buffer::Buffer(const Device& device, size_t bytes, MemoryUsage memoryUsage, const std::string& name,
-               const std::string& remedy)
+               const std::string& remedy, MemoryKind kind)
     : size_(std::max<size_t>(bytes, 16))
 {
     if (size_ > device.limits().maxBufferSize)
@@ -19,14 +20,24 @@ Buffer::Buffer(const Device& device, size_t bytes, MemoryUsage memoryUsage, cons
                           .usage = Usage::eStorageBuffer | Usage::eIndirectBuffer | Usage::eIndexBuffer |
                                    Usage::eVertexBuffer | Usage::eUniformBuffer | Usage::eUniformTexelBuffer |
                                    Usage::eTransferSrc | Usage::eTransferDst | Usage::eShaderDeviceAddress});
-    using Property = vk::MemoryPropertyFlagBits;
-    const auto wanted = memoryUsage == MemoryUsage::host ? Property::eHostVisible | Property::eHostCoherent
-                                                         : vk::MemoryPropertyFlags(Property::eDeviceLocal);
-    memory_ = device.allocate(buffer_.getMemoryRequirements(), wanted, remedy, true);
-    buffer_.bindMemory(*memory_.handle, 0);
+    const auto requirements =
+        device.handle()
+            .getBufferMemoryRequirements2<vk::MemoryRequirements2, vk::MemoryDedicatedRequirements>(
+                {.buffer = *buffer_});
+    if (memoryUsage == MemoryUsage::staging || memoryUsage == MemoryUsage::readback)
+        kind = MemoryKind::staging;
+    memory_ = device.memory().allocate(
+        {.requirements = requirements.get<vk::MemoryRequirements2>().memoryRequirements,
+         .usage = memoryUsage,
+         .kind = kind,
+         .buffer = *buffer_,
+         .image = {},
+         .own = bool(requirements.get<vk::MemoryDedicatedRequirements>().requiresDedicatedAllocation),
+         .remedy = remedy});
+    buffer_.bindMemory(memory_.handle(), memory_.offset());
     address_ = device.handle().getBufferAddress({.buffer = *buffer_});
-    if (memory_.seenByHost)
-        mapped_ = memory_.handle.mapMemory(0, size_);
+    if (memoryUsage != MemoryUsage::device || (memory_.coherent() && !device.stages()))
+        mapped_ = memory_.mapped();
     device.name(buffer_, name);
 }
 
@@ -56,19 +67,33 @@ void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Image
     imageBarrier(commands, to.handle(), to.aspect(), Use::transferWrite, Use::shaderSample);
 }
 
-Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const std::string& name)
+Counters::Counters(const Device& device, std::span<const std::byte> initial, const std::string& name)
+    : bytes_(initial.size()), initial_(uploadBuffer(device, initial, name + " at first")),
+      counters_(device, bytes_, MemoryUsage::device, name),
+      readback_(device, bytes_, MemoryUsage::readback, name + " readback")
 {
-    Buffer buffer(device, data.size(), Buffer::MemoryUsage::device, name);
-    if (data.empty())
-        return buffer;
-    if (buffer.mapped<void>()) { // memory that both share: submitting makes it visible
-        std::memcpy(buffer.mapped<void>(), data.data(), data.size());
-        return buffer;
-    }
-    const Buffer staging(device, data.size(), Buffer::MemoryUsage::host, name + " (staging)");
-    std::memcpy(staging.mapped<void>(), data.data(), data.size());
-    device.runOnce([&](vk::CommandBuffer commands) { recordUpload(commands, staging, buffer); });
-    return buffer;
+}
+
+void Counters::recordReset(vk::CommandBuffer commands, List list)
+{
+    const vk::MemoryBarrier2 before[] = {makeMemoryBarrier(Use::computeReadWrite, Use::transferWrite),
+                                         makeMemoryBarrier(Use::transferRead, Use::transferWrite)};
+    commands.pipelineBarrier2(vk::DependencyInfo{}.setMemoryBarriers(before));
+    for (const Counters* c : list)
+        if (c->bytes_ > 0)
+            commands.copyBuffer(c->initial_.handle(), c->counters_.handle(),
+                                vk::BufferCopy{.size = c->bytes_});
+    memoryBarrier(commands, Use::transferWrite, Use::computeReadWrite);
+}
+
+void Counters::recordRead(vk::CommandBuffer commands, List list)
+{
+    memoryBarrier(commands, Use::computeWrite, Use::transferRead);
+    for (const Counters* c : list)
+        if (c->bytes_ > 0)
+            commands.copyBuffer(c->counters_.handle(), c->readback_.handle(),
+                                vk::BufferCopy{.size = c->bytes_});
+    memoryBarrier(commands, Use::transferWrite, Use::hostRead);
 }
 
 vk::ImageAspectFlags Image::aspect() const
@@ -130,10 +155,22 @@ Image::Image(const Device& device, const ImageInfo& info, const std::string& nam
 {
     checkImage(device, info);
     image_ = vk::raii::Image(device.handle(), createInfoOf(info));
-    const auto requirements = image_.getMemoryRequirements();
-    bytes_ = requirements.size;
-    memory_ = device.allocate(requirements, vk::MemoryPropertyFlagBits::eDeviceLocal, info.remedy);
-    image_.bindMemory(*memory_.handle, 0);
+    const auto requirements =
+        device.handle().getImageMemoryRequirements2<vk::MemoryRequirements2, vk::MemoryDedicatedRequirements>(
+            {.image = *image_});
+    const auto& dedicated = requirements.get<vk::MemoryDedicatedRequirements>();
+    // Drivers prefer it for what they could compress; of small images there may be too many.
+    constexpr vk::DeviceSize kSmall = 1 << 20;
+    const vk::MemoryRequirements& needed = requirements.get<vk::MemoryRequirements2>().memoryRequirements;
+    memory_ = device.memory().allocate({.requirements = needed,
+                                        .usage = MemoryUsage::device,
+                                        .kind = info.kind,
+                                        .buffer = {},
+                                        .image = *image_,
+                                        .own = dedicated.requiresDedicatedAllocation ||
+                                               (dedicated.prefersDedicatedAllocation && needed.size > kSmall),
+                                        .remedy = info.remedy});
+    image_.bindMemory(memory_.handle(), memory_.offset());
     device.name(image_, name);
 
     const auto type =
@@ -153,99 +190,16 @@ vk::raii::ImageView Image::layerView(const Device& device, uint32_t layer) const
                                                      .subresourceRange = {aspect(), 0, 1, layer, 1}}};
 }
 
-namespace {
-
-// Fills an image through a buffer of kStagingBytes or one row, whichever is more: fresh memory costs more
-// than a submission.
-class HalfImageUpload {
-public:
-    HalfImageUpload(const Device& device, const Image& image, size_t bytes)
-        : device_(device), image_(image), rowBytes_(image.info().width * kTexelBytes),
-          staging_(device, std::min(bytes, std::max(kStagingBytes, rowBytes_)), Buffer::MemoryUsage::host,
-                   "staging")
-    {
-    }
-
-    void add(uint32_t mip, std::span<const uint16_t> texels)
-    {
-        const uint32_t width = std::max(1u, image_.info().width >> mip);
-        const uint32_t height = std::max(1u, image_.info().height >> mip);
-        const size_t rowBytes = width * kTexelBytes;
-        const auto bytes = std::as_bytes(texels);
-        for (uint32_t row = 0, count = 0; row < height; row += count) {
-            if (used_ + rowBytes > staging_.size())
-                flush();
-            count = std::min(height - row, uint32_t((staging_.size() - used_) / rowBytes));
-            std::memcpy(staging_.mapped<std::byte>() + used_, bytes.data() + row * rowBytes,
-                        count * rowBytes);
-            copies_.push_back({.bufferOffset = used_,
-                               .imageSubresource = {image_.aspect(), mip, 0, 1},
-                               .imageOffset = {0, int32_t(row), 0},
-                               .imageExtent = {width, count, 1}});
-            used_ += count * rowBytes;
-        }
-    }
-
-    void finish() { flush(true); }
-
-private:
-    static constexpr size_t kStagingBytes = 8 << 20, kTexelBytes = 4 * sizeof(uint16_t);
-
-    void flush(bool last = false)
-    {
-        device_.runOnce([&](vk::CommandBuffer commands) {
-            if (!std::exchange(begun_, true))
-                imageBarrier(commands, image_.handle(), image_.aspect(), Use::undefined, Use::transferWrite);
-            commands.copyBufferToImage(staging_.handle(), image_.handle(),
-                                       vk::ImageLayout::eTransferDstOptimal, copies_);
-            if (last)
-                imageBarrier(commands, image_.handle(), image_.aspect(), Use::transferWrite,
-                             Use::shaderSample);
-        });
-        copies_.clear();
-        used_ = 0;
-    }
-
-    const Device& device_;
-    const Image& image_;
-    size_t rowBytes_;
-    Buffer staging_;
-    size_t used_ = 0;
-    bool begun_ = false;
-    std::vector<vk::BufferImageCopy> copies_;
-};
-
-} // namespace
-
-Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
-                      const std::vector<std::span<const uint16_t>>& levels, const std::string& name)
-{
-    Image image(device,
-                {.width = width,
-                 .height = height,
-                 .mips = uint32_t(levels.size()),
-                 .usage = vk::ImageUsageFlagBits::eSampled | vk::ImageUsageFlagBits::eTransferDst},
-                name);
-    size_t bytes = 0;
-    for (const auto& level : levels)
-        bytes += level.size_bytes();
-    HalfImageUpload upload(device, image, bytes);
-    for (uint32_t mip = 0; mip < levels.size(); ++mip)
-        upload.add(mip, levels[mip]);
-    upload.finish();
-    return image;
-}
-
 std::vector<std::byte> readBack(const Device& device, const Buffer& buffer, size_t bytes)
 {
     if (bytes == 0)
         return {};
-    const Buffer staging(device, bytes, Buffer::MemoryUsage::host, "read back");
+    const Buffer staging(device, bytes, MemoryUsage::readback, "read back");
     device.runOnce([&](vk::CommandBuffer commands) {
         commands.copyBuffer(buffer.handle(), staging.handle(), vk::BufferCopy{.size = bytes});
         memoryBarrier(commands, Use::transferWrite, Use::hostRead);
     });
-    const auto* data = staging.mapped<std::byte>();
+    const auto* data = staging.read<std::byte>();
     return {data, data + bytes};
 }
 
@@ -253,14 +207,14 @@ std::vector<std::byte> readBack(const Device& device, const Image& image, size_t
                                 vk::ImageLayout from)
 {
     const size_t bytes = size_t(image.info().width) * image.info().height * bytesPerTexel;
-    const Buffer staging(device, bytes, Buffer::MemoryUsage::host, "read back");
+    const Buffer staging(device, bytes, MemoryUsage::readback, "read back");
     device.runOnce([&](vk::CommandBuffer commands) {
         const vk::BufferImageCopy copy{.imageSubresource = {image.aspect(), 0, 0, 1},
                                        .imageExtent = {image.info().width, image.info().height, 1}};
         commands.copyImageToBuffer(image.handle(), from, staging.handle(), copy);
         memoryBarrier(commands, Use::transferWrite, Use::hostRead);
     });
-    const auto* data = staging.mapped<std::byte>();
+    const auto* data = staging.read<std::byte>();
     return {data, data + bytes};
 }
 

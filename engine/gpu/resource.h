@@ -9,20 +9,28 @@ namespace lumel::gpu {
 // A storage buffer with a device address. Buffers stay mapped where the host sees their memory.
 class Buffer {
 public:
-    enum class MemoryUsage { device, host };
+    using MemoryUsage = gpu::MemoryUsage;
     Buffer() = default;
     // remedy: what to do when the device cannot allocate it.
     Buffer(const Device& device, size_t bytes, MemoryUsage memoryUsage, const std::string& name,
-           const std::string& remedy = "use a smaller scene");
+           const std::string& remedy = "use a smaller scene", MemoryKind kind = MemoryKind::buffers);
 
     vk::Buffer handle() const { return *buffer_; }
     vk::DeviceAddress address() const { return address_; }
     size_t size() const { return size_; }
     explicit operator bool() const { return size_ > 0; }
+    // To write to. Of MemoryUsage::device null where it takes a copy: UploadBatch does either.
     template<class T>
-    T* mapped() const // of MemoryUsage::host; of others null where the host does not see it
+    T* mapped() const
     {
-        return static_cast<T*>(mapped_);
+        return reinterpret_cast<T*>(mapped_);
+    }
+    // Of MemoryUsage::readback, once the commands that copied to it have finished.
+    template<class T>
+    const T* read() const
+    {
+        memory_.invalidate();
+        return reinterpret_cast<const T*>(mapped_);
     }
 
 private:
@@ -30,20 +38,38 @@ private:
     vk::raii::Buffer buffer_ = nullptr;
     vk::DeviceAddress address_ = 0;
     size_t size_ = 0;
-    void* mapped_ = nullptr;
+    std::byte* mapped_ = nullptr;
+};
+
+// What shaders count and the CPU reads: counters in device memory, and where they are copied to.
+class Counters {
+public:
+    // initial: what they start from.
+    Counters(const Device& device, std::span<const std::byte> initial, const std::string& name);
+    template<class T>
+    Counters(const Device& device, const std::vector<T>& initial, const std::string& name)
+        : Counters(device, std::as_bytes(std::span(initial)), name)
+    {
+    }
+
+    using List = std::initializer_list<const Counters*>;
+    static void recordReset(vk::CommandBuffer commands, List list); // then compute shaders may count
+    static void recordRead(vk::CommandBuffer commands, List list);  // what compute shaders have counted
+    vk::DeviceAddress address() const { return counters_.address(); }
+    // After the recorded commands have finished.
+    template<class T>
+    const T* read() const
+    {
+        return readback_.read<T>();
+    }
+
+private:
+    size_t bytes_;
+    Buffer initial_, counters_, readback_;
 };
 
 // All of a buffer as texels of four words. Throws Error when they are more than the device takes.
 vk::raii::BufferView makeTexelView(const Device& device, const Buffer& buffer);
-
-// A device buffer filled with `data` through a staging copy.
-Buffer uploadBuffer(const Device& device, std::span<const std::byte> data, const std::string& name);
-
-template<class T>
-Buffer uploadBuffer(const Device& device, const std::vector<T>& data, const std::string& name)
-{
-    return uploadBuffer(device, std::as_bytes(std::span(data)), name);
-}
 
 struct ImageInfo {
     vk::Format format = vk::Format::eR16G16B16A16Sfloat;
@@ -53,6 +79,7 @@ struct ImageInfo {
     vk::SampleCountFlagBits samples = vk::SampleCountFlagBits::e1;
     bool arrayView = false;                  // sampler2DArray / image2DArray even with one layer
     const char* remedy = "use smaller maps"; // when the device does not support or cannot allocate it
+    MemoryKind kind = MemoryKind::targets;
     bool operator==(const ImageInfo&) const = default;
 };
 
@@ -70,12 +97,10 @@ public:
     const ImageInfo& info() const { return info_; }
     vk::Extent2D extent() const { return {info_.width, info_.height}; }
     vk::ImageAspectFlags aspect() const;
-    size_t bytes() const { return bytes_; }
     explicit operator bool() const { return *image_; }
 
 private:
     ImageInfo info_;
-    size_t bytes_ = 0;
     Memory memory_;
     vk::raii::Image image_ = nullptr;
     vk::raii::ImageView view_ = nullptr;
@@ -85,11 +110,6 @@ private:
 void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Buffer& to);
 void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Image& to,
                   const std::vector<vk::BufferImageCopy>& mips);
-
-// An RGBA16F image with all its mips for sampling. levels[i] holds width >> i by height >> i RGBA half texels
-// (floor, at least 1).
-Image uploadHalfImage(const Device& device, uint32_t width, uint32_t height,
-                      const std::vector<std::span<const uint16_t>>& levels, const std::string& name);
 
 // Reads a buffer's first bytes back.
 std::vector<std::byte> readBack(const Device& device, const Buffer& buffer, size_t bytes);

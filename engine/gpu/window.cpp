@@ -245,6 +245,7 @@ bool Window::acquire(uint32_t& image)
         } catch (const vk::OutOfDateKHRError&) {
             outdated_ = true;
         } catch (const vk::SurfaceLostKHRError&) {
+            const auto lock = device_.lockQueue();
             device_.handle().waitIdle();
             framebuffers_.clear();
             views_.clear();
@@ -307,6 +308,7 @@ void Window::show(const std::vector<Placement>& placements, std::array<float, 3>
     const vk::SemaphoreSubmitInfo signal{.semaphore = *drawn_[image],
                                          .stageMask = vk::PipelineStageFlagBits2::eAllCommands};
     const vk::CommandBufferSubmitInfo submitted{.commandBuffer = *commands_.front()};
+    auto lock = device_.lockQueue();
     device_.queue().submit2(vk::SubmitInfo2{.waitSemaphoreInfoCount = 1,
                                             .pWaitSemaphoreInfos = &wait,
                                             .commandBufferInfoCount = 1,
@@ -326,6 +328,7 @@ void Window::show(const std::vector<Placement>& placements, std::array<float, 3>
     } catch (const vk::SurfaceLostKHRError&) {
         outdated_ = true; // the next acquire finds it lost, and recreates it
     }
+    lock.unlock();
     constexpr uint64_t kTenSecondsNs = 10'000'000'000ull;
     if (device_.handle().waitForFences(*fence_, VK_TRUE, kTenSecondsNs) != vk::Result::eSuccess)
         throw Error("Vulkan: the window's frame did not finish within ten seconds; update the driver");

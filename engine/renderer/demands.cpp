@@ -3,6 +3,7 @@
 #include "renderer/passes/vertex_input.h"
 #include "renderer/resources/targets.h"
 #include <algorithm>
+#include <cstdlib>
 
 namespace lumel {
 namespace {
@@ -60,6 +61,7 @@ gpu::Demands rendererDemands()
 gpu::DeviceOptions forRendering(gpu::DeviceOptions options)
 {
     options.demands = rendererDemands();
+    options.stage = options.stage || std::getenv("LUMEL_STAGE"); // for tests, see tests/README.md
     return options;
 }
 

@@ -43,6 +43,7 @@ void Renderer::countFrame(const Frame& frame)
     stats_.poolUsedBytes = pool_.bookkeeping().usedBytes();
     stats_.surfaceBytes = plan_.surfaces().bytes();
     stats_.poolCapBytes = pool_.bookkeeping().capBytes();
+    stats_.memory = device_.memory().report();
     stats_.poolTextures = pool_.bookkeeping().textureCount();
     for (size_t i = 0; i < frame.inView.size(); ++i) {
         const bool lit = i < residency_.objects().size() && residency_.objects()[i].texture;

@@ -223,7 +223,8 @@ inline constexpr std::tuple kSettings{
                               .most = 16}},
     Setting<size_t>{.member = &Settings::poolBytes,
                     .name = "pool-mb",
-                    .help = "memory limit of lit textures and cached surfaces",
+                    .help = "memory limit of lit textures and cached surfaces, which grow with the view; "
+                            "meshes, texel maps, materials and targets come on top",
                     .shadings = kTslOnly,
                     .invalidates = invalidates::radiance | invalidates::lumels | invalidates::pool,
                     .least = 1,

@@ -14,6 +14,14 @@ json orNull(std::optional<double> value)
     return value ? json(*value) : json(nullptr);
 }
 
+json memoryJson(const gpu::MemoryReport& memory)
+{
+    json result{{"allocated_bytes", memory.allocatedBytes}, {"allocations", memory.allocations}};
+    for (size_t i = 0; i < memory.bytes.size(); ++i)
+        result[gpu::kMemoryKindNames[i]] = memory.bytes[i];
+    return result;
+}
+
 json frameJson(const FrameStats& f)
 {
     json passes;
@@ -36,6 +44,7 @@ json frameJson(const FrameStats& f)
               {"surface_bytes", f.surfaceBytes},
               {"cap_bytes", f.poolCapBytes},
               {"textures", f.poolTextures}}},
+            {"memory", memoryJson(f.memory)},
             {"objects", {{"tsl", f.objectsTsl}, {"forward", f.objectsForward}, {"culled", f.objectsCulled}}},
             {"exposure", f.exposure},
             {"render_scale", f.renderScale},

@@ -1,8 +1,7 @@
 // What a frame did and what it cost; `--stats` and `bench --json` write it in one schema
 // (app/bench/README.md).
 #pragma once
-#include <cstddef>
-#include <cstdint>
+#include "gpu/memory_report.h"
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -19,7 +18,8 @@ struct FrameStats {
     size_t tilesMarked = 0, tilesLit = 0;
     size_t pixelsCovered = 0; // by objects in texture space, from the feedback pass: a multiple of 16
     size_t poolUsedBytes = 0, poolCapBytes = 0, poolTextures = 0;
-    size_t surfaceBytes = 0; // of the surface cache, which shares the cap
+    size_t surfaceBytes = 0;  // of the surface cache, which shares the cap
+    gpu::MemoryReport memory; // of the device: of all that it renders
     size_t objectsTsl = 0, objectsForward = 0, objectsCulled = 0;
     float levelBias = 0.0f, levelOffset = 0.0f, anisotropy = 1.0f;
     // RMSE in display values, where measured: of the picture against the reference's; of its difference to

@@ -129,6 +129,44 @@ std::string thousands(size_t number)
     return fmt::format("{} {:03}", thousands(number / 1000), number % 1000);
 }
 
+void drawLumels(const FrameStats& f)
+{
+    figure("Marked",
+           fmt::format("{} lumels in {} tiles", thousands(f.lumelsMarked), thousands(f.tilesMarked)));
+    figure("Lit", fmt::format("{} lumels in {} tiles", thousands(f.lumelsLit), thousands(f.tilesLit)));
+    figure("Derived", thousands(f.lumelsDerived) + " lumels");
+    figure("Kept", thousands(f.lumelsKept) + " lumels");
+    figure("Pending", thousands(f.lumelsPending) + " lumels");
+    const double pixels = double(std::max<size_t>(f.pixelsCovered, 1));
+    figure("Density", fmt::format("{:.2f} lumels per covered pixel", double(f.lumelsMarked) / pixels));
+    figure("Level offset",
+           fmt::format("{:.2f} + {:.2f} memory + {:.2f} budget", f.levelOffset, f.levelBias, f.budgetBias));
+    figure("Render scale", fmt::format("{:.2f}", f.renderScale));
+    figure("Objects", fmt::format("{} texture space, {} forward, {} culled", f.objectsTsl, f.objectsForward,
+                                  f.objectsCulled));
+    figure("Pool", fmt::format("{} of {} MiB, {} textures", f.poolUsedBytes >> 20, f.poolCapBytes >> 20,
+                               f.poolTextures));
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const ImVec2 size{ImGui::GetContentRegionAvail().x, 0.6f * ImGui::GetFontSize()};
+    ImGui::Dummy(size);
+    bar(f.poolCapBytes ? float(double(f.poolUsedBytes) / double(f.poolCapBytes)) : 0.0f, kAccent, at, size);
+}
+
+void drawMemory(const gpu::MemoryReport& memory)
+{
+    // By gpu::MemoryKind.
+    constexpr std::array<const char*, gpu::kMemoryKindNames.size()> kLabels{
+        "Lit textures", "Surface cache", "Materials", "Geometry",
+        "Texel maps",   "Targets",       "Buffers",   "Staging"};
+    const auto mebibytes = [](uint64_t bytes) {
+        return fmt::format("{:.1f} MiB", double(bytes) / (1 << 20));
+    };
+    figure("GPU memory",
+           fmt::format("{} in {} allocations", mebibytes(memory.usedBytes()), memory.allocations));
+    for (size_t kind = 0; kind < kLabels.size(); ++kind)
+        figure(kLabels[kind], mebibytes(memory.bytes[kind]));
+}
+
 } // namespace
 
 float frameTimesHeight()
@@ -158,30 +196,13 @@ void drawLumelsTab(ViewState& state, const ViewReport& report)
     drawSettings(state, Panel::lumels);
     ImGui::Separator();
     const FrameStats& f = report.sides[0].stats;
-    if (state.sides[0].shading != Shading::tsl) {
+    if (state.sides[0].shading == Shading::tsl)
+        drawLumels(f);
+    else
         ImGui::TextDisabled(state.split ? "The left side does not use texture-space lighting."
                                         : "This picture does not use texture-space lighting.");
-        return;
-    }
-    figure("Marked",
-           fmt::format("{} lumels in {} tiles", thousands(f.lumelsMarked), thousands(f.tilesMarked)));
-    figure("Lit", fmt::format("{} lumels in {} tiles", thousands(f.lumelsLit), thousands(f.tilesLit)));
-    figure("Derived", thousands(f.lumelsDerived) + " lumels");
-    figure("Kept", thousands(f.lumelsKept) + " lumels");
-    figure("Pending", thousands(f.lumelsPending) + " lumels");
-    const double pixels = double(std::max<size_t>(f.pixelsCovered, 1));
-    figure("Density", fmt::format("{:.2f} lumels per covered pixel", double(f.lumelsMarked) / pixels));
-    figure("Level offset",
-           fmt::format("{:.2f} + {:.2f} memory + {:.2f} budget", f.levelOffset, f.levelBias, f.budgetBias));
-    figure("Render scale", fmt::format("{:.2f}", f.renderScale));
-    figure("Objects", fmt::format("{} texture space, {} forward, {} culled", f.objectsTsl, f.objectsForward,
-                                  f.objectsCulled));
-    figure("Pool", fmt::format("{} of {} MiB, {} textures", f.poolUsedBytes >> 20, f.poolCapBytes >> 20,
-                               f.poolTextures));
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    const ImVec2 size{ImGui::GetContentRegionAvail().x, 0.6f * ImGui::GetFontSize()};
-    ImGui::Dummy(size);
-    bar(f.poolCapBytes ? float(double(f.poolUsedBytes) / double(f.poolCapBytes)) : 0.0f, kAccent, at, size);
+    ImGui::Separator();
+    drawMemory(f.memory);
 }
 
 } // namespace lumel::ui

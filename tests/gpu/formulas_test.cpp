@@ -1,7 +1,7 @@
 // The formulas that GLSL and C++ share, over many random lobes, frames, lights and views: the GPU's results
 // against those of the same header compiled as C++.
 #include "formulas.h"
-#include "gpu/resource.h"
+#include "gpu/upload.h"
 #include "test_scene.h"
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>

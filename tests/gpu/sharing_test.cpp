@@ -12,9 +12,9 @@ constexpr glm::vec3 kEye{0.0f, 0.0f, 3.0f};
 template<class Make>
 auto measured(uint64_t& bytes, Make make)
 {
-    const uint64_t before = device().allocatedBytes();
+    const uint64_t before = device().memory().report().usedBytes();
     auto made = make();
-    bytes = device().allocatedBytes() - before;
+    bytes = device().memory().report().usedBytes() - before;
     return made;
 }
 

@@ -44,9 +44,9 @@ FeedbackPass::FeedbackPass(const gpu::Device& device, glm::uvec2 size, const Sce
                    .color = vk::Format::eR32G32B32A32Uint})),
       count_(gpu::makeComputePipeline(device, "feedback.comp", {*scene.frameSet().layout(), *layout_},
                                       sizeof(shared::FeedbackPush))),
-      objects_(device, scene.objects().size() * sizeof(shared::ObjectFeedback),
-               gpu::Buffer::MemoryUsage::host, "feedback"),
-      total_(device, sizeof(shared::FeedbackTotal), gpu::Buffer::MemoryUsage::host, "feedback total")
+      objects_(device, std::vector(scene.objects().size(), shared::ObjectFeedback{shared::kNotSeen, 0}),
+               "feedback"),
+      total_(device, std::vector{shared::FeedbackTotal{}}, "feedback total")
 {
     resize(device, size);
 }
@@ -143,9 +143,7 @@ void FeedbackPass::recount(Frame& frame)
 
 void FeedbackPass::count(Frame& frame)
 {
-    auto* needs = objects_.mapped<shared::ObjectFeedback>();
-    std::fill_n(needs, frame.scene.objects().size(), shared::ObjectFeedback{shared::kNotSeen, 0});
-    *total_.mapped<shared::FeedbackTotal>() = {};
+    gpu::Counters::recordReset(frame.commands, {&objects_, &total_});
     bindSets(frame, vk::PipelineBindPoint::eCompute, count_, {*set_});
     pushConstants(frame.commands, count_,
                   shared::FeedbackPush{.objects = objects_.address(),
@@ -155,12 +153,12 @@ void FeedbackPass::count(Frame& frame)
                                        .object = 0,
                                        .size = samples_});
     dispatchList(frame.commands, samples_.x * samples_.y);
-    gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::hostRead);
+    gpu::Counters::recordRead(frame.commands, {&objects_, &total_});
 }
 
 void FeedbackPass::read(Frame& frame) const
 {
-    const auto* needs = objects_.mapped<shared::ObjectFeedback>();
+    const auto* needs = objects_.read<shared::ObjectFeedback>();
     const auto& objects = frame.scene.objects();
     frame.feedback.resize(objects.size());
     for (size_t i = 0; i < objects.size(); ++i)
@@ -172,7 +170,7 @@ void FeedbackPass::read(Frame& frame) const
                              .samples = needs[i].samples,
                              .coarsest = objects[i].texelMap ? float(objects[i].texelMap->coarsest) : 0.0f,
                              .litSize = objects[i].data.litSize};
-    const auto& total = *total_.mapped<shared::FeedbackTotal>();
+    const auto& total = *total_.read<shared::FeedbackTotal>();
     for (size_t i = 0; i < frame.elongations.size(); ++i)
         frame.elongations[i] = float(double(uint64_t(total.carries[i]) << 32 | total.elongations[i]) /
                                      double(shared::kFeedbackScale));

@@ -39,7 +39,7 @@ private:
     vk::raii::DescriptorSet set_;
     gpu::Pipeline raster_, count_;
     std::map<uint32_t, gpu::Pipeline> masks_; // by kFeature..., made when first needed
-    gpu::Buffer objects_, total_;
+    gpu::Counters objects_, total_;
 };
 
 } // namespace lumel

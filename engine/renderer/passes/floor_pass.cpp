@@ -130,7 +130,7 @@ FloorPass::FloorPass(const gpu::Device& device, const SceneState& scene, const S
 void FloorPass::uploadSurfaces(const gpu::Device& device)
 {
     constexpr size_t kLumels = size_t(kSide) * kSide;
-    const gpu::Buffer staging(device, kLumels * sizeof(Words), gpu::Buffer::MemoryUsage::host,
+    const gpu::Buffer staging(device, kLumels * sizeof(Words), gpu::Buffer::MemoryUsage::staging,
                               "floor (staging)");
     auto* layers = staging.mapped<glm::uvec4>();
     for (uint32_t y = 0; y < kSide; ++y)

@@ -23,10 +23,12 @@ LitBlock LitPool::make(glm::uvec2 size) const
                     .layers = block.layout.layers,
                     .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc | Usage::eTransferDst,
                     .arrayView = true,
-                    .remedy = "use a smaller --pool-mb"},
+                    .remedy = "use a smaller --pool-mb",
+                    .kind = gpu::MemoryKind::litTextures},
                    "lit block");
-    block.states = gpu::Buffer(device_, block.stateOffset(block.layout.layers),
-                               gpu::Buffer::MemoryUsage::device, "tile states");
+    block.states =
+        gpu::Buffer(device_, block.stateOffset(block.layout.layers), gpu::Buffer::MemoryUsage::device,
+                    "tile states", "use a smaller --pool-mb", gpu::MemoryKind::litTextures);
     block.set = gpu::makeSet(device_, layout_);
     gpu::writeStorage(device_, *block.set, 0, block.image.view());
     gpu::writeSampled(device_, *block.set, 1, *sampler_, block.image.view(), vk::ImageLayout::eGeneral);

@@ -9,7 +9,7 @@ MeterPass::MeterPass(const gpu::Device& device, const SceneState& scene)
       set_(gpu::makeSet(device, layout_)),
       pipeline_(gpu::makeComputePipeline(device, "meter.comp", {*scene.frameSet().layout(), *layout_},
                                          sizeof(shared::MeterPush))),
-      histogram_(device, sizeof(LuminanceHistogram), gpu::Buffer::MemoryUsage::host, "luminance histogram")
+      histogram_(device, std::vector{LuminanceHistogram{}}, "luminance histogram")
 {
 }
 
@@ -18,7 +18,7 @@ void MeterPass::record(Frame& frame)
     const PassScope scope(frame, "meter");
     const gpu::Image& hdr = frame.targets.hdr;
     gpu::writeSampled(frame.device, *set_, 0, *sampler_, hdr.view());
-    *histogram_.mapped<LuminanceHistogram>() = {};
+    gpu::Counters::recordReset(frame.commands, {&histogram_});
     gpu::imageBarrier(frame.commands, hdr.handle(), hdr.aspect(), gpu::Use::colorWrite,
                       gpu::Use::computeSample);
     bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline_, {*set_});
@@ -26,12 +26,12 @@ void MeterPass::record(Frame& frame)
                   shared::MeterPush{.histogram = histogram_.address(), .size = frame.renderSize});
     const uint32_t strips = (frame.renderSize.y + shared::kMeterRows - 1) / shared::kMeterRows;
     frame.commands.dispatch(groupsOf64(frame.renderSize.x), strips, 1);
-    gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::hostRead);
+    gpu::Counters::recordRead(frame.commands, {&histogram_});
 }
 
 LuminanceHistogram MeterPass::read() const
 {
-    return *histogram_.mapped<LuminanceHistogram>();
+    return *histogram_.read<LuminanceHistogram>();
 }
 
 } // namespace lumel

@@ -17,7 +17,7 @@ private:
     gpu::SetLayout layout_;
     vk::raii::DescriptorSet set_;
     gpu::Pipeline pipeline_;
-    gpu::Buffer histogram_;
+    gpu::Counters histogram_;
 };
 
 } // namespace lumel

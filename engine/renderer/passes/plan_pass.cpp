@@ -38,7 +38,7 @@ PlanPass::PlanPass(const gpu::Device& device, const SceneState& scene, const Fee
       enlist_(gpu::makeComputePipeline(device, "enlist.comp", {*scene.frameSet().layout()},
                                        sizeof(shared::PlanPush))),
       surfaces_(device), plan_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::device, "plan"),
-      readback_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::host, "plan readback")
+      readback_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::readback, "plan readback")
 {
 }
 
@@ -112,7 +112,7 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
     reserve(frame.device, marks_, 3 * tiles * sizeof(shared::Mark), MemoryUsage::device, "marks");
     reserve(frame.device, tiles_, first * sizeof(shared::JobTile), MemoryUsage::device, "tiles");
     reserve(frame.device, jobs_, table.size() * sizeof(shared::Job), MemoryUsage::device, "jobs");
-    reserve(frame.device, upload_, table.size() * sizeof(shared::Job), MemoryUsage::host, "jobs upload");
+    reserve(frame.device, upload_, table.size() * sizeof(shared::Job), MemoryUsage::staging, "jobs upload");
     std::memcpy(upload_.mapped<void>(), table.data(), table.size() * sizeof(shared::Job));
     writeObjects(frame, pool, jobs);
 }

@@ -32,7 +32,7 @@ public:
     // Once all is lit and derived.
     void recordReadback(Frame& frame) const;
     // Reads what was planned and done, after the recorded commands have finished.
-    const shared::Plan& read() const { return *readback_.mapped<shared::Plan>(); }
+    const shared::Plan& read() const { return *readback_.read<shared::Plan>(); }
 
     // Lumels that tiles of 8, 16, 32 and 64 lumels a side would hold of what the last plan lit or kept: the
     // price of lighting in larger pieces. Waits for the device.

@@ -18,7 +18,7 @@ void SurfaceCache::allocate(uint32_t capacity)
     if (capacity == 0)
         return;
     words_ = gpu::Buffer(device_, capacity * kTileBytes, gpu::Buffer::MemoryUsage::device, "surface cache",
-                         "use a smaller --pool-mb");
+                         "use a smaller --pool-mb", gpu::MemoryKind::surfaceCache);
     view_ = gpu::makeTexelView(device_, words_);
     gpu::writeTexels(device_, *set_, 0, *view_);
 }

@@ -44,8 +44,9 @@ DeformedMeshes::Item DeformedMeshes::makeItem(const gpu::Device& device, const s
     const GpuMesh& source = meshes[size_t(deformed.mesh)];
     const scene::Deformation& d = mesh.deformation;
     Item item;
-    item.vertices = gpu::Buffer(device, mesh.vertices.size() * sizeof(shared::Vertex),
-                                gpu::Buffer::MemoryUsage::device, mesh.name + " deformed");
+    item.vertices =
+        gpu::Buffer(device, mesh.vertices.size() * sizeof(shared::Vertex), gpu::Buffer::MemoryUsage::device,
+                    mesh.name + " deformed", "use a smaller scene", gpu::MemoryKind::geometry);
     item.skin = deformed.skin;
     item.extents = d.extents;
     const auto addressOr = [&](const gpu::Buffer& buffer) {

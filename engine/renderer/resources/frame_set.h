@@ -5,6 +5,7 @@
 #include "gpu/pipeline.h"
 #include "gpu/resource.h"
 #include "shared/structs.h"
+#include <algorithm>
 #include <span>
 
 namespace lumel {
@@ -19,7 +20,10 @@ public:
 
     // Call these when no frame is in flight.
     void writeView(const shared::View& view) { *view_.mapped<shared::View>() = view; }
-    std::span<shared::Light> lights() const { return {lights_.mapped<shared::Light>(), shared::kMaxLights}; }
+    void writeLights(std::span<const shared::Light> lights) // at most kMaxLights
+    {
+        std::ranges::copy(lights, lights_.mapped<shared::Light>());
+    }
     void bindEnvironment(const gpu::Device& device, vk::ImageView map);
     void bindObjects(const gpu::Device& device, vk::BufferView table);
     void bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps);

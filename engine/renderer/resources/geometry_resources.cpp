@@ -7,23 +7,22 @@
 namespace lumel {
 namespace {
 
-GpuMesh uploadMesh(const gpu::Device& device, const scene::Mesh& mesh)
+void upload(gpu::UploadBatch& batch, const scene::Mesh& mesh, GpuMesh& result)
 {
-    GpuMesh result{.vertices = gpu::uploadBuffer(device, mesh.vertices, mesh.name + " vertices"),
-                   .indices = gpu::uploadBuffer(device, mesh.indices, mesh.name + " indices"),
-                   .colours = uploadColours(device, mesh),
-                   .indexCount = uint32_t(mesh.indices.size()),
-                   .influences = {},
-                   .firstDeltas = {},
-                   .deltas = {}};
+    const auto buffer = [&](const auto& data, const char* what) {
+        return batch.buffer(data, mesh.name + what, gpu::MemoryKind::geometry);
+    };
+    result.vertices = buffer(mesh.vertices, " vertices");
+    result.indices = buffer(mesh.indices, " indices");
+    result.colours = uploadColours(batch, mesh);
+    result.indexCount = uint32_t(mesh.indices.size());
     const scene::Deformation& d = mesh.deformation;
     if (!d.influences.empty())
-        result.influences = gpu::uploadBuffer(device, d.influences, mesh.name + " influences");
+        result.influences = buffer(d.influences, " influences");
     if (!d.deltas.empty()) {
-        result.firstDeltas = gpu::uploadBuffer(device, d.firstDeltas, mesh.name + " first deltas");
-        result.deltas = gpu::uploadBuffer(device, d.deltas, mesh.name + " deltas");
+        result.firstDeltas = buffer(d.firstDeltas, " first deltas");
+        result.deltas = buffer(d.deltas, " deltas");
     }
-    return result;
 }
 
 bool readsMaterialAtLitUvs(const scene::Mesh& mesh)
@@ -47,14 +46,17 @@ float levelOfLumels(glm::ivec2 mapSize, glm::uvec2 litSize)
 GeometryResources::GeometryResources(const gpu::Device& device, const scene::Scene& scene,
                                      const std::vector<scene::BakedMaterial>& materials)
 {
-    for (const scene::Mesh& mesh : scene.meshes)
-        meshes_.push_back(uploadMesh(device, mesh));
+    meshes_.resize(scene.meshes.size()); // before the batch: it must not outlive what it fills
+    gpu::UploadBatch batch(device);
+    for (size_t i = 0; i < meshes_.size(); ++i)
+        upload(batch, scene.meshes[i], meshes_[i]);
     for (const scene::Object& object : scene.objects)
         if (const std::pair key(object.mesh, object.material); !surfaces_.contains(key))
-            surfaces_[key] = makeSurface(device, scene, object, materials[size_t(object.material)]);
+            surfaces_[key] = makeSurface(batch, scene, object, materials[size_t(object.material)]);
+    batch.finish();
 }
 
-GpuSurface GeometryResources::makeSurface(const gpu::Device& device, const scene::Scene& scene,
+GpuSurface GeometryResources::makeSurface(gpu::UploadBatch& batch, const scene::Scene& scene,
                                           const scene::Object& object, const scene::BakedMaterial& baked)
 {
     const scene::Mesh& mesh = scene.meshes[size_t(object.mesh)];
@@ -67,12 +69,12 @@ GpuSurface GeometryResources::makeSurface(const gpu::Device& device, const scene
     surface.emissiveLevelOffset = levelOfLumels(emissiveSize, surface.litSize);
     const bool opaque = scene.materials[size_t(object.material)].alphaMode == scene::AlphaMode::opaque;
     if (opaque && mesh.uvProblem.empty())
-        surface.texelMap = texelMapFor(device, mesh, object.mesh, surface.litSize);
+        surface.texelMap = texelMapFor(batch, mesh, object.mesh, surface.litSize);
     return surface;
 }
 
-const GpuTexelMap* GeometryResources::texelMapFor(const gpu::Device& device, const scene::Mesh& mesh,
-                                                  int index, glm::uvec2 grid)
+const GpuTexelMap* GeometryResources::texelMapFor(gpu::UploadBatch& batch, const scene::Mesh& mesh, int index,
+                                                  glm::uvec2 grid)
 {
     const auto [entry, isNew] = texelMaps_.try_emplace({index, grid.x, grid.y});
     GpuTexelMap& result = entry->second;
@@ -80,7 +82,8 @@ const GpuTexelMap* GeometryResources::texelMapFor(const gpu::Device& device, con
         result.map = tsl::makeTexelMap(mesh, grid);
         const tsl::PackedTexels packed = tsl::pack(result.map);
         result.offsets = packed.offsets;
-        result.buffer = gpu::uploadBuffer(device, std::as_bytes(std::span(packed.words)), "texel map");
+        result.buffer =
+            batch.buffer(std::as_bytes(std::span(packed.words)), "texel map", gpu::MemoryKind::texelMaps);
         result.coarsest = tsl::coarsestWithoutSeams(tsl::seamShares(mesh, result.map));
         result.map.texels = {};
     }

@@ -1,7 +1,7 @@
 // A scene's meshes on the GPU with their texel maps. They never change, so all renderers of a scene share
 // them, whatever its materials are baked by.
 #pragma once
-#include "gpu/resource.h"
+#include "gpu/upload.h"
 #include "scene/materials.h"
 #include "tsl/texel_map.h"
 #include <map>
@@ -44,9 +44,9 @@ public:
     const GpuSurface& surface(int mesh, int material) const { return surfaces_.at({mesh, material}); }
 
 private:
-    GpuSurface makeSurface(const gpu::Device& device, const scene::Scene& scene, const scene::Object& object,
+    GpuSurface makeSurface(gpu::UploadBatch& batch, const scene::Scene& scene, const scene::Object& object,
                            const scene::BakedMaterial& baked);
-    const GpuTexelMap* texelMapFor(const gpu::Device& device, const scene::Mesh& mesh, int index,
+    const GpuTexelMap* texelMapFor(gpu::UploadBatch& batch, const scene::Mesh& mesh, int index,
                                    glm::uvec2 grid);
 
     std::vector<GpuMesh> meshes_;

@@ -6,6 +6,8 @@
 namespace lumel {
 namespace {
 
+constexpr size_t kMaps = 6; // of a material
+
 // By scene::Wrap.
 constexpr std::array kAddressModes = {vk::SamplerAddressMode::eRepeat,
                                       vk::SamplerAddressMode::eMirroredRepeat,
@@ -26,13 +28,17 @@ uint32_t constantMaps(const GpuMaterial& material)
 MaterialResources::MaterialResources(const gpu::Device& device, const scene::Scene& scene,
                                      const std::vector<scene::BakedMaterial>& baked)
     : layout_(gpu::makeSetLayout(
-          device, std::vector<vk::DescriptorType>(6, vk::DescriptorType::eCombinedImageSampler)))
+          device, std::vector<vk::DescriptorType>(kMaps, vk::DescriptorType::eCombinedImageSampler))),
+      pool_(gpu::makeSamplerPool(device, baked.size(), kMaps))
 {
     for (const auto v : kAddressModes)
         for (const auto u : kAddressModes)
             samplers_.push_back(gpu::makeSampler(device, {.u = u, .v = v, .mips = true}));
+    materials_.resize(baked.size()); // before the batch: it must not outlive what it fills
+    gpu::UploadBatch batch(device);
     for (size_t i = 0; i < baked.size(); ++i)
-        materials_.push_back(upload(device, baked[i], scene.materials[i]));
+        upload(device, batch, baked[i], scene.materials[i], materials_[i]);
+    batch.finish();
 }
 
 vk::Sampler MaterialResources::samplerOf(const scene::UvMapping& uv) const
@@ -40,26 +46,25 @@ vk::Sampler MaterialResources::samplerOf(const scene::UvMapping& uv) const
     return *samplers_[size_t(uv.wrapU) + kAddressModes.size() * size_t(uv.wrapV)];
 }
 
-GpuMaterial MaterialResources::upload(const gpu::Device& device, const scene::BakedMaterial& baked,
-                                      const scene::Material& source) const
+void MaterialResources::upload(const gpu::Device& device, gpu::UploadBatch& batch,
+                               const scene::BakedMaterial& baked, const scene::Material& source,
+                               GpuMaterial& material) const
 {
     const auto image = [&](const scene::HalfChain& chain, const char* what) {
-        return uploadChain(device, chain, source.name + what);
+        return uploadChain(batch, chain, source.name + what);
     };
-    GpuMaterial material;
     material.normal = image(baked.reflectance.normal, " normal");
     material.specular = image(baked.reflectance.specular, " specular");
     material.diffuse = image(baked.reflectance.diffuse, " diffuse");
     material.emissive = image(baked.emissive, " emissive");
     material.opacity = image(baked.opacity, " opacity");
     material.base = image(baked.reflectance.base, " base");
-    material.set = gpu::makeSet(device, layout_);
+    material.set = gpu::makeSet(device, pool_, layout_);
     uint32_t binding = 0;
     for (const gpu::Image* map : {&material.normal, &material.specular, &material.diffuse, &material.emissive,
                                   &material.opacity, &material.base})
         gpu::writeSampled(device, *material.set, binding++,
                           samplerOf(map == &material.emissive ? source.emissionUv : source.uv), map->view());
-    return material;
 }
 
 } // namespace lumel

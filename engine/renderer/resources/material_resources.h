@@ -2,7 +2,7 @@
 // share them.
 #pragma once
 #include "gpu/pipeline.h"
-#include "gpu/resource.h"
+#include "gpu/upload.h"
 #include "scene/materials.h"
 
 namespace lumel {
@@ -26,11 +26,12 @@ public:
     const gpu::SetLayout& layout() const { return layout_; }
 
 private:
-    GpuMaterial upload(const gpu::Device& device, const scene::BakedMaterial& baked,
-                       const scene::Material& source) const;
+    void upload(const gpu::Device& device, gpu::UploadBatch& batch, const scene::BakedMaterial& baked,
+                const scene::Material& source, GpuMaterial& material) const;
     vk::Sampler samplerOf(const scene::UvMapping& uv) const;
 
     gpu::SetLayout layout_;
+    vk::raii::DescriptorPool pool_;
     std::vector<vk::raii::Sampler> samplers_; // by wrapU + 3 wrapV
     std::vector<GpuMaterial> materials_;
 };

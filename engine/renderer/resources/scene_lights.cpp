@@ -26,10 +26,11 @@ shared::Light packLight(const scene::Light& light)
 
 void SceneLights::set(const std::vector<scene::Light>& lights, uint32_t frame)
 {
-    if (lights.size() > table_.size())
+    if (lights.size() > shared::kMaxLights)
         throw Error(fmt::format("the scene has {} lights, the limit is {}; remove some", lights.size(),
-                                table_.size()));
-    const bool recount = lights.size() != count_;
+                                shared::kMaxLights));
+    const bool recount = lights.size() != table_.size();
+    table_.resize(lights.size());
     for (size_t i = 0; i < lights.size(); ++i) {
         shared::Light light = packLight(lights[i]);
         light.changed = table_[i].changed;
@@ -38,7 +39,6 @@ void SceneLights::set(const std::vector<scene::Light>& lights, uint32_t frame)
             table_[i] = light;
         }
     }
-    count_ = uint32_t(lights.size());
     brightestSun_ = 0.0f;
     for (const scene::Light& light : lights)
         if (light.type == scene::LightType::directional)
@@ -98,7 +98,7 @@ void SceneLights::setShadows(const std::vector<shared::Shadow>& shadows, uint32_
     // A light that got or lost its map is another for all that it reaches.
     const auto touchMissing = [&](const auto& from, const auto& in) {
         for (const shared::Shadow& shadow : from)
-            if (shadow.light < count_ &&
+            if (shadow.light < table_.size() &&
                 std::ranges::none_of(in, [&](const auto& s) { return s.light == shadow.light; }))
                 touch(shadow.light, frame);
     };
@@ -115,13 +115,14 @@ uint32_t SceneLights::features() const
 {
     return (environment_->exists() ? shared::kFeatureEnvironment : 0u) |
            (shadows_.empty() ? 0u : shared::kFeatureShadows) |
-           (shadows_.size() < count_ ? shared::kFeatureUnshadowed : 0u) |
-           (count_ > 32 ? shared::kFeatureManyLights : 0u);
+           (shadows_.size() < table_.size() ? shared::kFeatureUnshadowed : 0u) |
+           (table_.size() > 32 ? shared::kFeatureManyLights : 0u);
 }
 
-void SceneLights::write(shared::View& view) const
+void SceneLights::write(shared::View& view)
 {
-    view.lightCount = count_;
+    set_.writeLights(table_);
+    view.lightCount = uint32_t(table_.size());
     view.lightsChanged = changed_;
     view.skyRadiance = sky_;
     view.groundRadiance = ground_;

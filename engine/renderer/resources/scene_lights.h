@@ -11,7 +11,7 @@ namespace lumel {
 
 class SceneLights {
 public:
-    explicit SceneLights(FrameSet& set) : set_(set), table_(set.lights()) {}
+    explicit SceneLights(FrameSet& set) : set_(set) {}
 
     // Throws Error beyond kMaxLights.
     void set(const std::vector<scene::Light>& lights, uint32_t frame);
@@ -27,12 +27,13 @@ public:
     // What the light reaches is lit again.
     void touch(uint32_t light, uint32_t frame) { table_[light].changed = changed_ = frame; }
 
-    std::span<const shared::Light> table() const { return table_.first(count_); }
+    std::span<const shared::Light> table() const { return table_; }
     const std::vector<shared::Shadow>& shadows() const { return shadows_; }
     glm::vec3 skyRadiance() const { return sky_; }
     glm::vec3 groundRadiance() const { return ground_; }
     uint32_t features() const; // kFeature... of shaders that light by them
-    void write(shared::View& view) const;
+    // Their part of the view, and the table beside it. Call when no frame is in flight.
+    void write(shared::View& view);
 
     uint32_t changed() const { return changed_; }       // frame of the last change to any of them
     uint32_t changedAll() const { return changedAll_; } // of the last one that all objects see
@@ -42,8 +43,7 @@ private:
     void touchAll(uint32_t frame) { changed_ = changedAll_ = frame; }
 
     FrameSet& set_;
-    std::span<shared::Light> table_;
-    uint32_t count_ = 0;
+    std::vector<shared::Light> table_;
     float brightestSun_ = 0.0f; // lux
     std::shared_ptr<const EnvironmentMap> environment_;
     shared::EnvironmentView environmentView_{};

@@ -52,8 +52,9 @@ std::span<shared::Object> SceneState::writeObjects()
 {
     const std::span table(objectTable_.mapped<shared::Object>(), objects_.size());
     for (size_t i = 0; i < objects_.size(); ++i) {
-        table[i] = objects_[i].data;
-        table[i].changed = std::max(table[i].changed, lights_.changedAll());
+        shared::Object row = objects_[i].data;
+        row.changed = std::max(row.changed, lights_.changedAll());
+        table[i] = row; // which is never read here: it may be uncached
     }
     return table;
 }

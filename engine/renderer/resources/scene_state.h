@@ -36,8 +36,8 @@ public:
     // Has the object moved in this frame or later, or a light that may reach it?
     bool changedSince(size_t object, uint32_t frame) const;
 
-    // Writes this frame's objects, without lit textures: these may be added. Frames are waited for, so one
-    // table serves all.
+    // Writes this frame's objects, without lit textures: these may be added. Only write to it. Frames are
+    // waited for, so one table serves all.
     std::span<shared::Object> writeObjects();
     const gpu::Buffer& objectTable() const { return objectTable_; }
 

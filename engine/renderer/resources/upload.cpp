@@ -3,22 +3,22 @@
 
 namespace lumel {
 
-gpu::Image uploadChain(const gpu::Device& device, const scene::HalfChain& chain, const std::string& name)
+gpu::Image uploadChain(gpu::UploadBatch& batch, const scene::HalfChain& chain, const std::string& name)
 {
     std::vector<std::span<const uint16_t>> levels;
     for (size_t level = 0; level < chain.levels(); ++level)
         levels.push_back(chain.texels(level));
-    return gpu::uploadHalfImage(device, uint32_t(chain.size().x), uint32_t(chain.size().y), levels, name);
+    return batch.halfImage(uint32_t(chain.size().x), uint32_t(chain.size().y), levels, name);
 }
 
-gpu::Buffer uploadColours(const gpu::Device& device, const scene::Mesh& mesh)
+gpu::Buffer uploadColours(gpu::UploadBatch& batch, const scene::Mesh& mesh)
 {
     if (mesh.colours.empty())
         return {};
     std::vector<glm::uvec2> packed;
     for (const glm::vec4& c : mesh.colours)
         packed.emplace_back(glm::packHalf2x16({c.r, c.g}), glm::packHalf2x16({c.b, c.a}));
-    return gpu::uploadBuffer(device, packed, mesh.name + " colours");
+    return batch.buffer(packed, mesh.name + " colours", gpu::MemoryKind::geometry);
 }
 
 } // namespace lumel

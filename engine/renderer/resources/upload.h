@@ -1,13 +1,13 @@
 // What the readers hand over, as images and buffers on the GPU.
 #pragma once
-#include "gpu/resource.h"
+#include "gpu/upload.h"
 #include "scene/half_maps.h"
 #include "scene/scene.h"
 
 namespace lumel {
 
-gpu::Image uploadChain(const gpu::Device& device, const scene::HalfChain& chain, const std::string& name);
+gpu::Image uploadChain(gpu::UploadBatch& batch, const scene::HalfChain& chain, const std::string& name);
 // Of vertices, four half floats each; nothing where there are none.
-gpu::Buffer uploadColours(const gpu::Device& device, const scene::Mesh& mesh);
+gpu::Buffer uploadColours(gpu::UploadBatch& batch, const scene::Mesh& mesh);
 
 } // namespace lumel
