@@ -64,10 +64,10 @@ LitMip litMip(uint mip)
 }
 
 // rgb: weighted sum of the light around uv, a: sum of the weights where there is any. Along a long footprint the taps
-// overlap, and are bilinear: together they are smooth.
+// are bilinear: they overlap, and a footprint that is longer than a lumel needs no smoother filter.
 vec4 filtered(LitMip mip, Footprint footprint)
 {
-    bool along = footprint.taps > 1;
+    bool along = !footprint.round && push.anisotropy > 1.0;
     int lookups = along ? footprint.taps : kFilterLookups[kFilter];
     float share = 1.0 / float(footprint.taps);
     vec2 p = uv * mip.size, axis = footprint.axis * mip.size;
