@@ -4,7 +4,7 @@
 #include "lib/bicubic.glsl"
 #include "lib/tiles.glsl"
 
-layout(constant_id = 1) const uint kFilter = kFilterCatmullRom;
+layout(constant_id = 1) const uint kFilter = kFilterQuadratic;
 const bool kWaiting = (kFeatures & kFeatureWaiting) != 0u;
 layout(push_constant, scalar) uniform Constants { LitPush push; };
 layout(set = 1, binding = 1) uniform sampler2DArray lit;

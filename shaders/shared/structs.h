@@ -452,6 +452,7 @@ LUMEL_CONST uint kFilterBilinear = 0u;
 LUMEL_CONST uint kFilterBspline = 1u;
 LUMEL_CONST uint kFilterCatmullRom = 2u;      // 5 taps
 LUMEL_CONST uint kFilterCatmullRomExact = 3u; // 16 taps
+LUMEL_CONST uint kFilterQuadratic = 4u;       // 3 taps
 
 // What view.frag shows in place of the picture.
 LUMEL_CONST uint kViewNone = 0u;
