@@ -514,6 +514,8 @@ struct EdgePush {
     uint capacity;
 };
 
+// Pixels below each other that an invocation of display.comp makes.
+LUMEL_CONST uint kDisplayRows = 4u;
 struct DisplayPush {
     float weight; // of the accumulated sum: 1 / samples
     uvec2 size;   // pixels of the source that hold the picture
