@@ -4,7 +4,7 @@
 #include "lib/bicubic.glsl"
 #include "lib/tiles.glsl"
 
-layout(constant_id = 1) const uint kFilter = kFilterCatmullRom;
+layout(constant_id = 1) const uint kFilter = kFilterQuadratic;
 const bool kWaiting = (kFeatures & kFeatureWaiting) != 0u;
 layout(push_constant, scalar) uniform Constants { LitPush push; };
 layout(set = 1, binding = 1) uniform sampler2DArray lit;
@@ -64,10 +64,10 @@ LitMip litMip(uint mip)
 }
 
 // rgb: weighted sum of the light around uv, a: sum of the weights where there is any. Along a long footprint the taps
-// overlap, and are bilinear: together they are smooth.
+// are bilinear: they overlap, and a footprint that is longer than a lumel needs no smoother filter.
 vec4 filtered(LitMip mip, Footprint footprint)
 {
-    bool along = footprint.taps > 1;
+    bool along = !footprint.round && push.anisotropy > 1.0;
     int lookups = along ? footprint.taps : kFilterLookups[kFilter];
     float share = 1.0 / float(footprint.taps);
     vec2 p = uv * mip.size, axis = footprint.axis * mip.size;

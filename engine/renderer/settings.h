@@ -9,7 +9,13 @@ namespace lumel {
 
 enum class ToneMap { neutral, aces, clamp }; // same order as kToneMap...
 enum class Shading { tsl, forward, reference };
-enum class DrawFilter { bilinear, bspline, catmullRom, catmullRomExact }; // same order as kFilter...
+enum class DrawFilter {
+    bilinear,
+    bspline,
+    catmullRom,
+    catmullRomExact,
+    quadratic
+}; // same order as kFilter...
 
 // What is shown in place of the picture; same order as kView...
 enum class View {
@@ -34,7 +40,7 @@ struct Settings {
     View view = View::none;
     Shading shading = Shading::tsl;
     glm::uvec2 size{960, 540};
-    DrawFilter filter = DrawFilter::catmullRom;
+    DrawFilter filter = DrawFilter::quadratic;
     float anisotropy = 8.0f;   // most taps along a footprint's major axis when drawing lit textures
     int forwardAnisotropy = 1; // the same of forward shading's material lookups; 1 = isotropic
     int msaa = 1;              // coverage samples of tsl and forward: 1 or 4

@@ -8,6 +8,7 @@ const int kMostTaps = 16;
 struct Footprint {
     float level; // MIP level whose texels match the footprint's width; 0 = one level-0 texel, may be negative
     int taps;    // samples along the long axis
+    bool round;  // about as long as wide
     vec2 axis;   // texture coordinates from the centre to either end of the long axis
 };
 
@@ -30,7 +31,10 @@ Footprint footprintOf(vec2 dx, vec2 dy, vec2 size, float anisotropy)
     direction = directionLength > 0.0 ? direction / directionLength : vec2(1.0, 0.0);
     Footprint footprint;
     // Texels finer than level 0 do not exist: a magnified footprint needs no taps.
-    footprint.taps = int(clamp(ceil(major / max(minor, 1.0) - 0.01), 1.0, max(anisotropy, 1.0)));
+    float longer = major / max(minor, 1.0);
+    footprint.round = longer <= 1.01;
+    // To the nearest: rounded up, they cost more and blur.
+    footprint.taps = int(clamp(floor(longer + 0.5), 1.0, max(anisotropy, 1.0)));
     footprint.level = log2(max(minor, 1e-6));
     footprint.axis = 0.5 * direction * major / size;
     return footprint;

@@ -459,6 +459,7 @@ LUMEL_CONST uint kFilterBilinear = 0u;
 LUMEL_CONST uint kFilterBspline = 1u;
 LUMEL_CONST uint kFilterCatmullRom = 2u;      // 5 taps
 LUMEL_CONST uint kFilterCatmullRomExact = 3u; // 16 taps
+LUMEL_CONST uint kFilterQuadratic = 4u;       // 3 taps
 
 // What view.frag shows in place of the picture.
 LUMEL_CONST uint kViewNone = 0u;
@@ -520,6 +521,8 @@ struct EdgePush {
     uint capacity;
 };
 
+// Pixels below each other that an invocation of display.comp makes.
+LUMEL_CONST uint kDisplayRows = 4u;
 struct DisplayPush {
     float weight; // of the accumulated sum: 1 / samples
     uvec2 size;   // pixels of the source that hold the picture

@@ -132,7 +132,8 @@ void DisplayPass::record(Frame& frame, int sampleCount)
     pushConstants(
         commands, toneMapped,
         shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)), .size = frame.renderSize});
-    dispatchOver(commands, frame.renderSize);
+    dispatchOver(commands, {frame.renderSize.x,
+                            (frame.renderSize.y + shared::kDisplayRows - 1) / shared::kDisplayRows});
     if (small)
         recordUpscale(frame);
     gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,

@@ -13,11 +13,11 @@ void reserve(const gpu::Device& device, gpu::Buffer& buffer, size_t bytes,
         buffer = gpu::Buffer(device, bytes + bytes / 2, memoryUsage, name);
 }
 
-// Lumels around a point that the draw filter reads: the centres of the outermost lie half a lumel or one and
-// a half from those around it.
+// Lumels around a point that the draw filter reads: the centres of the outermost lie half a lumel, one or
+// one and a half from those around it.
 float reachOf(DrawFilter filter)
 {
-    return filter == DrawFilter::bilinear ? 0.5f : 1.5f;
+    return filter == DrawFilter::bilinear ? 0.5f : filter == DrawFilter::quadratic ? 1.0f : 1.5f;
 }
 
 } // namespace
