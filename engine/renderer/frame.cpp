@@ -97,6 +97,7 @@ void Renderer::recordReference(Frame& frame)
 void Renderer::begin(Frame& frame)
 {
     frame.commands.begin(vk::CommandBufferBeginInfo{.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+    frame.bound = {};
     timer_.reset(frame.commands);
 }
 

@@ -142,8 +142,7 @@ void DrawPass::drawForward(Frame& frame, const LitPool& pool, size_t object, flo
 void DrawPass::drawBackground(Frame& frame, const LitPool& pool)
 {
     bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline(frame, pool, Kind::background));
-    frame.commands.setCullMode(vk::CullModeFlagBits::eNone);
-    frame.commands.setFrontFace(vk::FrontFace::eCounterClockwise);
+    setCulling(frame, vk::CullModeFlagBits::eNone, vk::FrontFace::eCounterClockwise);
     frame.commands.draw(3, 1, 0, 0);
 }
 
@@ -193,7 +192,7 @@ void DrawPass::drawPool(Frame& frame, const LitPool& pool)
                       shared::PoolPush{.rectangle = {corner, size},
                                        .layer = float(textures[i].layer),
                                        .shade = drawn ? 1.0f : 0.3f});
-        frame.commands.setCullMode(vk::CullModeFlagBits::eNone);
+        setCulling(frame, vk::CullModeFlagBits::eNone, vk::FrontFace::eCounterClockwise);
         frame.commands.draw(6, 1, 0, 0);
     }
 }

@@ -1,14 +1,30 @@
 #include "frame_context.h"
+#include <algorithm>
+#include <utility>
 
 namespace lumel {
+
+void bindAll(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
+             std::span<const vk::DescriptorSet> sets)
+{
+    BoundState::Point& bound =
+        point == vk::PipelineBindPoint::eGraphics ? frame.bound.graphics : frame.bound.compute;
+    const bool isNew = bound.pipeline != *pipeline.handle; // its layout may disturb what is bound
+    if (isNew)
+        frame.commands.bindPipeline(point, *pipeline.handle);
+    bound.pipeline = *pipeline.handle;
+    for (uint32_t i = 0; i < sets.size(); ++i)
+        if (std::exchange(bound.sets[i], sets[i]) != sets[i] || isNew)
+            frame.commands.bindDescriptorSets(point, *pipeline.layout, i, sets[i], nullptr);
+}
 
 void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
               std::initializer_list<vk::DescriptorSet> sets)
 {
-    std::vector<vk::DescriptorSet> all{frame.scene.frameSet().handle()};
-    all.insert(all.end(), sets);
-    frame.commands.bindPipeline(point, *pipeline.handle);
-    frame.commands.bindDescriptorSets(point, *pipeline.layout, 0, all, nullptr);
+    std::array<vk::DescriptorSet, std::tuple_size_v<decltype(BoundState::Point::sets)>> all{
+        frame.scene.frameSet().handle()};
+    std::ranges::copy(sets, all.begin() + 1);
+    bindAll(frame, point, pipeline, {all.data(), sets.size() + 1});
 }
 
 void beginRendering(vk::CommandBuffer commands, const vk::RenderingAttachmentInfo& color,
@@ -35,16 +51,26 @@ void setViewport(vk::CommandBuffer commands, vk::Extent2D extent)
     commands.setScissor(0, vk::Rect2D{{0, 0}, extent});
 }
 
+void setCulling(Frame& frame, vk::CullModeFlags mode, vk::FrontFace front)
+{
+    if (std::exchange(frame.bound.cullMode, mode) != mode)
+        frame.commands.setCullMode(mode);
+    if (std::exchange(frame.bound.frontFace, front) != front)
+        frame.commands.setFrontFace(front);
+}
+
 void drawTriangles(Frame& frame, size_t object)
 {
     const GpuObject& o = frame.scene.objects()[object];
     const vk::CommandBuffer commands = frame.commands;
-    commands.setCullMode(o.data.flags & shared::kObjectDoubleSided ? vk::CullModeFlagBits::eNone
-                                                                   : vk::CullModeFlagBits::eBack);
-    commands.setFrontFace(o.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
+    const bool doubleSided = o.data.flags & shared::kObjectDoubleSided;
+    setCulling(frame, doubleSided ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack,
+               o.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
     // Indexed, so that a vertex which triangles share is transformed once.
-    commands.bindIndexBuffer(o.indices, 0, vk::IndexType::eUint32);
-    commands.bindVertexBuffers(0, {o.vertices, frame.scene.objectTable().handle()}, {0, 0});
+    if (std::exchange(frame.bound.indices, o.indices) != o.indices)
+        commands.bindIndexBuffer(o.indices, 0, vk::IndexType::eUint32);
+    if (std::exchange(frame.bound.vertices, o.vertices) != o.vertices)
+        commands.bindVertexBuffers(0, {o.vertices, frame.scene.objectTable().handle()}, {0, 0});
     commands.drawIndexed(o.indexCount, 1, 0, 0, uint32_t(object));
 }
 

@@ -7,8 +7,22 @@
 #include "renderer/resources/targets.h"
 #include "tsl/detail.h"
 #include "tsl/residency.h"
+#include <optional>
+#include <span>
 
 namespace lumel {
+
+// What a command buffer has bound. Binding it again for each of hundreds of draws would cost more than
+// drawing.
+struct BoundState {
+    struct Point {
+        vk::Pipeline pipeline;
+        std::array<vk::DescriptorSet, 3> sets;
+    } graphics, compute;
+    vk::Buffer vertices, indices;
+    std::optional<vk::CullModeFlags> cullMode;
+    std::optional<vk::FrontFace> frontFace;
+};
 
 struct Frame {
     const gpu::Device& device;
@@ -27,6 +41,7 @@ struct Frame {
     tsl::Detail detail;                        // how finely lumels are lit, the frame budget's bias among it
     uint32_t lumelBudget = ~0u;                // lumels to light at most
     tsl::Residency& residency;                 // per object, its lit texture
+    BoundState bound{};                        // by the functions below
 };
 
 // One string names a pass for debug labels and timings.
@@ -61,9 +76,15 @@ void pushConstants(vk::CommandBuffer commands, const gpu::Pipeline& pipeline, co
     commands.pushConstants<Push>(*pipeline.layout, vk::ShaderStageFlagBits::eAll, 0, push);
 }
 
-// Set 0 of every pipeline is the frame's view and lights; `sets` follow.
+// What is not bound already.
+void bindAll(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
+             std::span<const vk::DescriptorSet> sets);
+
+// Set 0 of most pipelines is the frame's view and lights; `sets` follow.
 void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pipeline,
               std::initializer_list<vk::DescriptorSet> sets = {});
+
+void setCulling(Frame& frame, vk::CullModeFlags mode, vk::FrontFace front);
 
 // Draws an object's triangles with the bound pipeline, its winding and culling set.
 void drawTriangles(Frame& frame, size_t object);

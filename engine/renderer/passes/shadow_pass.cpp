@@ -199,11 +199,9 @@ void ShadowPass::drawCaster(Frame& frame, const Map& map, size_t object)
 {
     const GpuObject& o = frame.scene.objects()[object];
     const gpu::Pipeline& pipeline = pipelineOf(frame, o);
-    frame.commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipeline.handle);
-    std::vector<vk::DescriptorSet> sets{*viewSet_};
-    if (o.data.flags & shared::kObjectMask)
-        sets.push_back(*o.material->set);
-    frame.commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *pipeline.layout, 0, sets, nullptr);
+    const std::array sets{*viewSet_, o.material ? *o.material->set : vk::DescriptorSet()};
+    const bool isMasked = o.data.flags & shared::kObjectMask;
+    bindAll(frame, vk::PipelineBindPoint::eGraphics, pipeline, {sets.data(), isMasked ? 2u : 1u});
     pushConstants(frame.commands, pipeline,
                   shared::ShadowPush{.clipFromWorld = map.clipFromWorld, .object = uint32_t(object)});
     drawTriangles(frame, object);
