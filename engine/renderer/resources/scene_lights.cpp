@@ -111,11 +111,11 @@ void SceneLights::setShadows(const std::vector<shared::Shadow>& shadows, uint32_
     shadows_ = shadows;
 }
 
-uint32_t SceneLights::features() const
+uint32_t SceneLights::features(size_t shadowMaps) const
 {
     return (environment_->exists() ? shared::kFeatureEnvironment : 0u) |
-           (shadows_.empty() ? 0u : shared::kFeatureShadows) |
-           (shadows_.size() < table_.size() ? shared::kFeatureUnshadowed : 0u) |
+           (shadowMaps == 0 ? 0u : shared::kFeatureShadows) |
+           (shadowMaps < table_.size() ? shared::kFeatureUnshadowed : 0u) |
            (table_.size() > 32 ? shared::kFeatureManyLights : 0u);
 }
 

@@ -31,7 +31,9 @@ public:
     const std::vector<shared::Shadow>& shadows() const { return shadows_; }
     glm::vec3 skyRadiance() const { return sky_; }
     glm::vec3 groundRadiance() const { return ground_; }
-    uint32_t features() const; // kFeature... of shaders that light by them
+    // kFeature... of shaders that light by them, and by so many shadow maps.
+    uint32_t features(size_t shadowMaps) const;
+    uint32_t features() const { return features(shadows_.size()); }
     // Their part of the view, and the table beside it. Call when no frame is in flight.
     void write(shared::View& view);
 
