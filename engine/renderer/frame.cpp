@@ -67,31 +67,6 @@ Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
 {
 }
 
-// Sub-pixel position of the reference's sample i, in [-0.5, 0.5): the R2 sequence (Roberts 2018, "The
-// Unreasonable Effectiveness of Quasirandom Sequences"), from the plastic number. A square grid would beat
-// against regular detail such as grooves.
-static glm::vec2 shiftOfSample(int i)
-{
-    const auto fraction = [](double x) { return float(x - std::floor(x)); };
-    return {fraction(0.5 + 0.7548776662466927 * i) - 0.5f, fraction(0.5 + 0.5698402909980532 * i) - 0.5f};
-}
-
-void Renderer::recordReference(Frame& frame)
-{
-    Progress progress("reference", size_t(settings_.samples));
-    if (sumSamples_ == 0)
-        display_.clearSum(frame);
-    else
-        display_.resumeSum(frame);
-    for (int i = 0; i < settings_.samples; ++i) {
-        writeView(frame, shiftOfSample(sumSamples_++));
-        draw_.record(frame, pool_);
-        display_.accumulate(frame);
-        submitAndWait(frame); // bounded work per submission, and a place for Ctrl-C
-        progress.advance(1);
-    }
-}
-
 void Renderer::begin(Frame& frame)
 {
     frame.commands.begin(vk::CommandBufferBeginInfo{.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
@@ -113,7 +88,7 @@ void Renderer::submitAndWait(Frame& frame)
     begin(frame);
 }
 
-void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
+shared::View Renderer::makeView(const Frame& frame, glm::vec2 shiftInPixels) const
 {
     glm::mat4 shift(1.0f);
     shift[3][0] = 2.0f * shiftInPixels.x / float(settings_.size.x);
@@ -128,8 +103,14 @@ void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
     view.frame = frame.index;
     view.levelOffset = frame.detail.levelOffset;
     view.objects = scene_.objectTable().address();
-    scene_.lights().write(view);
-    scene_.frameSet().writeView(view);
+    scene_.lights().describe(view);
+    return view;
+}
+
+void Renderer::writeView(const Frame& frame)
+{
+    scene_.lights().writeTable();
+    scene_.frameSet().writeView(makeView(frame));
 }
 
 FrameStats Renderer::render(const scene::Camera& camera)
@@ -278,7 +259,7 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     renderSize_ = frame.renderSize;
     if (budget_ && settings_.shading == Shading::tsl)
         noteDynamic(frame);
-    writeView(frame, glm::vec2(0.0f));
+    writeView(frame);
     if (sumSamples_ == 0)
         sumFrame_ = frameIndex_;
     sumView_ = frame.clipFromWorld;

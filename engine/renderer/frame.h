@@ -83,7 +83,8 @@ private:
     void begin(Frame& frame);
     void finish(Frame& frame);        // submits what is recorded, waits, and adds up the pass times
     void submitAndWait(Frame& frame); // the same, and goes on recording
-    void writeView(Frame& frame, glm::vec2 shiftInPixels);
+    shared::View makeView(const Frame& frame, glm::vec2 shiftInPixels = glm::vec2(0.0f)) const;
+    void writeView(const Frame& frame);
 
     const gpu::Device& device_;
     Settings settings_;

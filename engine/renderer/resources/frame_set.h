@@ -19,6 +19,8 @@ public:
 
     // Call these when no frame is in flight.
     void writeView(const shared::View& view) { view_.write(std::span(&view, 1)); }
+    // The same as a command, for several views in a submission.
+    void recordView(vk::CommandBuffer commands, const shared::View& view) const;
     void writeLights(std::span<const shared::Light> lights) // at most kMaxLights
     {
         lights_.write(lights);

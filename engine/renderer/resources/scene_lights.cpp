@@ -119,9 +119,8 @@ uint32_t SceneLights::features(size_t shadowMaps) const
            (table_.size() > 32 ? shared::kFeatureManyLights : 0u);
 }
 
-void SceneLights::write(shared::View& view)
+void SceneLights::describe(shared::View& view) const
 {
-    set_.writeLights(table_);
     view.lightCount = uint32_t(table_.size());
     view.lightsChanged = changed_;
     view.skyRadiance = sky_;

@@ -34,8 +34,8 @@ public:
     // kFeature... of shaders that light by them, and by so many shadow maps.
     uint32_t features(size_t shadowMaps) const;
     uint32_t features() const { return features(shadows_.size()); }
-    // Their part of the view, and the table beside it. Call when no frame is in flight.
-    void write(shared::View& view);
+    void writeTable() { set_.writeLights(table_); } // call when no frame is in flight
+    void describe(shared::View& view) const;        // their part of it
 
     uint32_t changed() const { return changed_; }       // frame of the last change to any of them
     uint32_t changedAll() const { return changedAll_; } // of the last one that all objects see
