@@ -19,7 +19,7 @@ glm::vec2 shiftOfSample(int i)
 // submissions, and devices that show a desktop stop those that take seconds.
 int samplesPerSubmission(int count, double seconds)
 {
-    constexpr double kSubmissionSeconds = 0.25;
+    constexpr double kSubmissionSeconds = 0.2;
     constexpr double kMostSamples = gpu::Timer::kMaxScopes / 2; // each is a scope, others come before
     return int(std::clamp(count * kSubmissionSeconds / seconds, 1.0, kMostSamples));
 }
