@@ -55,7 +55,7 @@ TEST_F(HostWorkTest, FramesWithMovingLightsAndABudgetCreateNoPipeline)
 {
     const TestScene s = mixedScene();
     Settings settings = settingsFor(Shading::tsl, kSize);
-    settings.budgetMs = 20.0;
+    settings.budgetMs = 40.0;
     Renderer renderer(device(), s.scene, s.materials, settings);
     for (int i = 0; i < 100; ++i) {
         const float turn = 0.1f * float(i);
