@@ -178,7 +178,10 @@ void Device::choosePhysical(const DeviceOptions& options)
     const auto chain =
         physical_.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
     const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
-    driver_ = fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
+    const uint32_t api = properties_.apiVersion;
+    driver_ = fmt::format("{}{}{}, Vulkan {}.{}.{}", driver.driverName.data(),
+                          *driver.driverInfo.data() ? " " : "", driver.driverInfo.data(),
+                          VK_API_VERSION_MAJOR(api), VK_API_VERSION_MINOR(api), VK_API_VERSION_PATCH(api));
 }
 
 void Device::createDevice()

@@ -33,7 +33,7 @@ void Renderer::recordTextureSpace(Frame& frame)
         return;                      // and these hold all the light that this view needs
     }
     // What does this view need, and how finely? The CPU assigns memory by the answer.
-    feedback_.record(frame, first_ ? 1 : isStill(frame) ? FeedbackPass::kStill : FeedbackPass::kMoving);
+    feedback_.record(frame, sampleSpacing(frame));
     submitAndWait(frame);
     feedback_.read(frame);
     if (chooseDetail(frame)) {

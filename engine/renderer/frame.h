@@ -70,6 +70,7 @@ private:
     void recordReference(Frame& frame);
     bool isStill(const Frame& frame) const;
     bool isSettled(const Frame& frame) const;
+    uint32_t sampleSpacing(const Frame& frame) const;
     bool chooseDetail(Frame& frame); // true: the feedback pass is to count again
     void assignTextures(Frame& frame);
     void noteDynamic(const Frame& frame);

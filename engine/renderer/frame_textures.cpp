@@ -17,6 +17,16 @@ bool Renderer::isSettled(const Frame& frame) const
            residency_.steady();
 }
 
+// Of the feedback pass, in pixels.
+uint32_t Renderer::sampleSpacing(const Frame& frame) const
+{
+    if (first_)
+        return 1;
+    // Where a frame budget has to save pixels, it saves samples too.
+    const bool moves = frame.clipFromWorld != knownView_, changes = scene_.changed() > knownChange_;
+    return moves && (!changes || !quality_.samePicture({})) ? FeedbackPass::kSparse : FeedbackPass::kDense;
+}
+
 // How finely is the view to be lit? Known levels are those of the frame before's detail, which changes
 // slowly: only after the first detail of all are the samples to be counted once more. Then true.
 bool Renderer::chooseDetail(Frame& frame)
@@ -55,10 +65,10 @@ void Renderer::assignTextures(Frame& frame)
         if (residency_.objects()[i].texture)
             known_.pixelsCovered += frame.feedback[i].samples * feedback_.divisor() * feedback_.divisor();
     // What has changed is lit again where this frame's samples see it: the other offsets find the rest.
-    if (feedback_.divisor() == 1)
-        offsetsSeen_ = FeedbackPass::kCycle;
-    else
-        offsetsSeen_ = isStill(frame) ? offsetsSeen_ + 1 : 0;
+    if (!isStill(frame))
+        offsetsSeen_ = 0;
+    offsetsSeen_ +=
+        feedback_.divisor() == 1 ? FeedbackPass::kCycle : feedback_.divisor() == FeedbackPass::kDense;
     knownView_ = frame.clipFromWorld;
     knownQuality_ = quality_;
     knownChange_ = frame.index;

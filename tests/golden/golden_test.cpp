@@ -1,10 +1,8 @@
 // One small scene, a plate with fine rings under two lights, near (a ring covers many pixels) and far (two
-// pixels) in every shading mode. When a picture differs, it, the golden and their difference are kept in
-// out/golden/.
+// pixels) in every shading mode; tests/bench/report renders them too. When a picture differs, it, the golden
+// and their difference are kept in out/golden/.
 #include "core/compare.h"
-#include "inputs.h"
 #include "program.h"
-#include <cmath>
 #include <cstdlib>
 #include <fmt/format.h>
 #include <sstream>
@@ -20,46 +18,6 @@ namespace fs = std::filesystem;
 constexpr const char* kGoldenDevice = "llvmpipe";
 constexpr double kLeastPsnr = 45.0;
 
-void writeRings(const fs::path& file)
-{
-    constexpr int kSize = 128;
-    Image image(kSize, kSize, 1);
-    for (int y = 0; y < kSize; ++y)
-        for (int x = 0; x < kSize; ++x) {
-            const float r = std::hypot(float(x) - 63.5f, float(y) - 63.5f);
-            const bool gap = std::fmod(r, 22.0f) < 5.0f; // as between the tracks of a record
-            *image.at(x, y) = gap ? 0.5f : 0.5f + 0.5f * std::cos(r);
-        }
-    writeImage(file, image);
-}
-
-void writePlate(const fs::path& gltf)
-{
-    nlohmann::json document = squareScene(gltf);
-    writeRings(gltf.parent_path() / document["images"][0]["uri"].get<std::string>());
-    auto& material = document["materials"][0];
-    material["pbrMetallicRoughness"] = {
-        {"baseColorFactor", {0.06, 0.015, 0.01, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.32}};
-    material["extras"]["lumel"]["heightScale"] = 0.006; // slopes up to 0.38
-    document["extensionsUsed"] = nlohmann::json::array({"KHR_lights_punctual"});
-    auto& lights = document["extensions"]["KHR_lights_punctual"]["lights"];
-    // Quaternions that turn -Z towards (0.5, -0.3, -0.8) and (-0.6, 0.1, -0.8), nearly.
-    const double turns[2][4] = {{-0.13, -0.27, 0.04, 0.95}, {0.05, 0.32, 0.02, 0.95}};
-    for (int i = 0; i < 2; ++i) {
-        const double length =
-            std::hypot(std::hypot(turns[i][0], turns[i][1]), std::hypot(turns[i][2], turns[i][3]));
-        lights.push_back({{"type", "directional"},
-                          {"intensity", i == 0 ? 4.0 : 2.5},
-                          {"color", {1.0, 0.8, 0.6 + 0.4 * i}}});
-        document["nodes"].push_back(
-            {{"rotation",
-              {turns[i][0] / length, turns[i][1] / length, turns[i][2] / length, turns[i][3] / length}},
-             {"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
-        document["scenes"][0]["nodes"].push_back(i + 1);
-    }
-    writeScene(gltf, document);
-}
-
 struct Case {
     const char* name;
     const char* options; // of `lumel shot`, separated by blanks
@@ -69,9 +27,9 @@ class Golden : public Program, public ::testing::WithParamInterface<Case> {};
 
 TEST_P(Golden, LooksAsBefore)
 {
-    writePlate(folder_ / "plate.gltf");
     const std::string file = std::string(GetParam().name) + ".png";
-    std::vector<std::string> arguments{"shot", "plate.gltf", "-o", file};
+    std::vector<std::string> arguments{"shot", (fs::path(LUMEL_GOLDENS) / "plate/plate.gltf").string(), "-o",
+                                       file};
     std::istringstream options(GetParam().options);
     for (std::string option; options >> option;)
         arguments.push_back(option);

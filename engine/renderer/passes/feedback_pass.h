@@ -8,15 +8,15 @@ namespace lumel {
 
 class FeedbackPass {
 public:
-    // Full-size pixels a sample, per axis: of a view that moves, and of one that stands still until its every
-    // pixel has been looked at.
-    static constexpr uint32_t kMoving = 8, kStill = 4;
-    // Frames after which the offsets of a still view's samples have met every pixel.
-    static constexpr uint32_t kCycle = kStill * kStill;
+    // Full-size pixels a sample, per axis. Sparse samples are enough where the camera alone moves: what they miss
+    // keeps its former light. What has changed loses it.
+    static constexpr uint32_t kDense = 4, kSparse = 8;
+    // Frames after which the offsets of dense samples have met every pixel.
+    static constexpr uint32_t kCycle = kDense * kDense;
     FeedbackPass(const gpu::Device& device, glm::uvec2 size, const SceneState& scene);
     void resize(const gpu::Device& device, glm::uvec2 size);
     void prepare(const Frame& frame); // begins to make all pipelines that the scene can need
-    // divisor: kMoving, kStill, or 1 for the first frame of a view that nothing is known of.
+    // divisor: kDense, kSparse, or 1 for the first frame of a view that nothing is known of.
     void record(Frame& frame, uint32_t divisor);
     // The same samples once more, at the frame's anisotropy of now.
     void recount(Frame& frame);
@@ -34,7 +34,7 @@ private:
     const gpu::Pipeline& maskPipeline(const Frame& frame, bool coloured);
     void drawObjects(Frame& frame);
     glm::uvec2 samples_{0};
-    uint32_t divisor_ = kStill;
+    uint32_t divisor_ = kDense;
     gpu::Image seen_, depth_;
     gpu::SetLayout layout_;
     vk::raii::DescriptorSet set_;

@@ -88,7 +88,7 @@ gpu::Pipeline makeFeedback(const gpu::Device& device, const SceneState& scene)
 
 glm::uvec2 samplesOf(glm::uvec2 pixels)
 {
-    return (pixels + FeedbackPass::kMoving - 1u) / FeedbackPass::kMoving;
+    return (pixels + FeedbackPass::kSparse - 1u) / FeedbackPass::kSparse;
 }
 
 using Usage = vk::ImageUsageFlagBits;
@@ -211,7 +211,7 @@ void FloorPass::recordFeedback(Frame& frame)
                    seenDepth_.view(), {samples.x, samples.y});
     bindSets(frame, vk::PipelineBindPoint::eGraphics, feedback_);
     shared::FeedbackPush push{};
-    push.divisor = float(FeedbackPass::kMoving);
+    push.divisor = float(FeedbackPass::kSparse);
     for (const size_t object : DrawPass::nearestFirst(frame)) {
         push.object = uint32_t(object);
         pushConstants(frame.commands, feedback_, push);
