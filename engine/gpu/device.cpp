@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "drivers.h"
 #include "expected_messages.h"
+#include "host_work.h"
 #include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
@@ -236,6 +237,7 @@ void Device::submit(vk::CommandBuffer commands, vk::Fence fence) const
 void Device::wait(vk::Fence fence) const
 {
     constexpr uint64_t kTenMinutesNs = 600'000'000'000ull;
+    ++hostWork().waits;
     if (device_.waitForFences(fence, VK_TRUE, kTenMinutesNs) != vk::Result::eSuccess)
         throw Error("Vulkan: the device did not finish within ten minutes; lower --size or --samples");
     device_.resetFences(fence);

@@ -1,4 +1,5 @@
 #include "pipeline.h"
+#include "host_work.h"
 #include <stdexcept>
 
 #include "table.inc"
@@ -48,6 +49,7 @@ struct Constants {
 template<class Make>
 CompiledPipeline compile(Make make)
 {
+    ++hostWork().pipelinesCreated;
     return CompiledPipeline(std::async(std::launch::async, std::move(make)));
 }
 

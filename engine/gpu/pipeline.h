@@ -33,6 +33,7 @@ class CompiledPipeline {
 public:
     CompiledPipeline() = default;
     explicit CompiledPipeline(std::future<vk::raii::Pipeline> compiling) : compiling_(std::move(compiling)) {}
+    bool begun() const { return compiling_.valid() || *done_; }
     // Waits for it, and throws what went wrong. Null: none.
     vk::Pipeline operator*() const
     {

@@ -1,6 +1,7 @@
 // Buffers and images with their memory.
 #pragma once
 #include "device.h"
+#include "host_work.h"
 #include <cstring>
 #include <span>
 
@@ -24,6 +25,14 @@ public:
     T* mapped() const
     {
         return reinterpret_cast<T*>(mapped_);
+    }
+    // Where mapped() is not null.
+    template<class T>
+    void write(std::span<const T> values, size_t first = 0) const
+    {
+        if (!values.empty())
+            std::memcpy(mapped<T>() + first, values.data(), values.size_bytes());
+        hostWork().uploadedBytes += values.size_bytes();
     }
     // Of MemoryUsage::readback, once the commands that copied to it have finished.
     template<class T>

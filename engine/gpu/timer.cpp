@@ -20,10 +20,9 @@ void Timer::begin(vk::CommandBuffer commands, const char* name)
     assert(names_.size() < kMaxScopes);
     commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_, uint32_t(2 * names_.size()));
     names_.emplace_back(name);
-    // Software Vulkan takes the timestamp when it flushes, which a dispatch alone does not cause.
-    const vk::MemoryBarrier2 all{.srcStageMask = vk::PipelineStageFlagBits2::eAllCommands,
-                                 .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands};
-    commands.pipelineBarrier2(vk::DependencyInfo{.memoryBarrierCount = 1, .pMemoryBarriers = &all});
+    // Software Vulkan takes the timestamp when it flushes, which a dispatch alone does not cause but any
+    // barrier does. One without contents orders nothing: other devices go on.
+    commands.pipelineBarrier2(vk::DependencyInfo{});
 }
 
 void Timer::end(vk::CommandBuffer commands)

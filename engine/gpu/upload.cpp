@@ -25,9 +25,8 @@ UploadBatch::~UploadBatch()
 Buffer UploadBatch::buffer(std::span<const std::byte> data, const std::string& name, MemoryKind kind)
 {
     Buffer result(device_, data.size(), MemoryUsage::device, name, "use a smaller scene", kind);
-    if (auto* shared = result.mapped<std::byte>()) { // submitting makes it visible
-        if (!data.empty())
-            std::memcpy(shared, data.data(), data.size());
+    if (result.mapped<std::byte>()) { // submitting makes it visible
+        result.write(data);
         return result;
     }
     for (size_t done = 0; done < data.size();) {
@@ -84,6 +83,7 @@ UploadBatch::Room UploadBatch::reserve(size_t least, size_t most)
     if (part().staging.size() < least)
         open(part(), least);
     const size_t offset = part().used, size = std::min(most, part().staging.size() - offset);
+    hostWork().uploadedBytes += size;
     part().used = std::min((offset + size + kAlignment - 1) / kAlignment * kAlignment, part().staging.size());
     return {{part().staging.mapped<std::byte>() + offset, size}, offset};
 }

@@ -12,9 +12,6 @@ namespace lumel {
 void Renderer::recordFrame(Frame& frame)
 {
     settled_ = true;
-    draw_.prepare(frame, pool_); // compiles while the passes before it run
-    if (settings_.shading == Shading::tsl)
-        light_.prepare(frame, pool_, plan_);
     deform_.record(frame); // joints and morph targets move vertices
     shadow_.record(frame); // how far the lights reach, where lights or objects have moved
     if (settings_.shading == Shading::tsl)
@@ -61,37 +58,13 @@ Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene, const S
 {
     if (settings.budgetMs > 0.0)
         budget_.emplace(settings.budgetMs);
+    preparePipelines();
 }
 
 Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene,
                    const std::vector<scene::BakedMaterial>& materials, const Settings& settings)
     : Renderer(device, scene, uploadScene(device, scene, materials), settings)
 {
-}
-
-// Sub-pixel position of the reference's sample i, in [-0.5, 0.5): the R2 sequence (Roberts 2018, "The
-// Unreasonable Effectiveness of Quasirandom Sequences"), from the plastic number. A square grid would beat
-// against regular detail such as grooves.
-static glm::vec2 shiftOfSample(int i)
-{
-    const auto fraction = [](double x) { return float(x - std::floor(x)); };
-    return {fraction(0.5 + 0.7548776662466927 * i) - 0.5f, fraction(0.5 + 0.5698402909980532 * i) - 0.5f};
-}
-
-void Renderer::recordReference(Frame& frame)
-{
-    Progress progress("reference", size_t(settings_.samples));
-    if (sumSamples_ == 0)
-        display_.clearSum(frame);
-    else
-        display_.resumeSum(frame);
-    for (int i = 0; i < settings_.samples; ++i) {
-        writeView(frame, shiftOfSample(sumSamples_++));
-        draw_.record(frame, pool_);
-        display_.accumulate(frame);
-        submitAndWait(frame); // bounded work per submission, and a place for Ctrl-C
-        progress.advance(1);
-    }
 }
 
 void Renderer::begin(Frame& frame)
@@ -115,7 +88,7 @@ void Renderer::submitAndWait(Frame& frame)
     begin(frame);
 }
 
-void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
+shared::View Renderer::makeView(const Frame& frame, glm::vec2 shiftInPixels) const
 {
     glm::mat4 shift(1.0f);
     shift[3][0] = 2.0f * shiftInPixels.x / float(settings_.size.x);
@@ -130,8 +103,14 @@ void Renderer::writeView(Frame& frame, glm::vec2 shiftInPixels)
     view.frame = frame.index;
     view.levelOffset = frame.detail.levelOffset;
     view.objects = scene_.objectTable().address();
-    scene_.lights().write(view);
-    scene_.frameSet().writeView(view);
+    scene_.lights().describe(view);
+    return view;
+}
+
+void Renderer::writeView(const Frame& frame)
+{
+    scene_.lights().writeTable();
+    scene_.frameSet().writeView(makeView(frame));
 }
 
 FrameStats Renderer::render(const scene::Camera& camera)
@@ -190,6 +169,37 @@ void Renderer::setSettings(const Settings& settings)
         knownView_ = glm::mat4(0.0f);
         detail_.reset();
     }
+    if (changed)
+        preparePipelines();
+}
+
+void Renderer::setLights(const std::vector<scene::Light>& lights)
+{
+    scene_.lights().set(lights, frameIndex_ + 1);
+    preparePipelines();
+}
+
+void Renderer::setEnvironment(std::shared_ptr<const EnvironmentMap> environment)
+{
+    scene_.lights().setEnvironment(device_, std::move(environment), frameIndex_ + 1);
+    preparePipelines();
+}
+
+// All that frames can need, so that none waits for a driver to compile one: on threads of their own, while
+// whatever comes before the first frame that uses them runs.
+void Renderer::preparePipelines()
+{
+    const Frame frame = makeFrame(settings_, targets_, frameIndex_ + 1);
+    const uint32_t lights = scene_.lights().features(ShadowPass::countMaps(scene_, settings_));
+    deform_.prepare(frame);
+    if (settings_.shadows)
+        shadow_.preparePipelines(frame);
+    if (settings_.shading == Shading::tsl) {
+        feedback_.prepare(frame);
+        light_.prepare(frame, pool_, plan_, lights);
+    }
+    draw_.prepare(frame, pool_, lights);
+    display_.prepare(frame);
 }
 
 glm::mat4 Renderer::clipFromWorld(const scene::Camera& camera) const
@@ -199,26 +209,32 @@ glm::mat4 Renderer::clipFromWorld(const scene::Camera& camera) const
            glm::lookAt(camera.eye, camera.target, camera.up);
 }
 
+// Without a view.
+Frame Renderer::makeFrame(const Settings& settings, Targets& targets, uint32_t index)
+{
+    return {.device = device_,
+            .commands = *commands_,
+            .timer = timer_,
+            .scene = scene_,
+            .targets = targets,
+            .settings = settings,
+            .renderSize = settings.size,
+            .index = index,
+            .inView = {},
+            .feedback = {},
+            .elongations = {},
+            .detail = detail_.value_or(tsl::Detail{settings_.levelOffset, settings_.anisotropy}),
+            .lumelBudget = settings.lumelBudget,
+            .residency = residency_};
+}
+
 // With the scene made ready for it. `settings` and `targets` may be others than the renderer's.
 Frame Renderer::makeFrame(const scene::Camera& camera, const Settings& settings, Targets& targets,
                           uint32_t index)
 {
-    Frame frame{.device = device_,
-                .commands = *commands_,
-                .timer = timer_,
-                .scene = scene_,
-                .targets = targets,
-                .settings = settings,
-                .renderSize = settings.size,
-                .clipFromWorld = clipFromWorld(camera),
-                .eye = camera.eye,
-                .index = index,
-                .inView = {},
-                .feedback = {},
-                .elongations = {},
-                .detail = detail_.value_or(tsl::Detail{settings_.levelOffset, settings_.anisotropy}),
-                .lumelBudget = settings.lumelBudget,
-                .residency = residency_};
+    Frame frame = makeFrame(settings, targets, index);
+    frame.clipFromWorld = clipFromWorld(camera);
+    frame.eye = camera.eye;
     scene_.lights().adjustAmbient(settings_.ambient, index);
     scene_.lights().adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, index);
     shadow_.prepare(device_, scene_, settings_, index);
@@ -232,6 +248,7 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     if (interrupted())
         throw Interrupted();
     const auto start = std::chrono::steady_clock::now();
+    const gpu::HostWork before = gpu::hostWork();
     stats_ = {};
     if (budget_)
         quality_ = budget_->quality();
@@ -242,7 +259,7 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     renderSize_ = frame.renderSize;
     if (budget_ && settings_.shading == Shading::tsl)
         noteDynamic(frame);
-    writeView(frame, glm::vec2(0.0f));
+    writeView(frame);
     if (sumSamples_ == 0)
         sumFrame_ = frameIndex_;
     sumView_ = frame.clipFromWorld;
@@ -252,6 +269,7 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     first_ = first_ && settings_.shading != Shading::tsl;
 
     stats_.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    stats_.hostWork = gpu::hostWork() - before;
     countFrame(frame);
     inView_ = frame.inView;
     keepToBudget();

@@ -45,11 +45,8 @@ public:
     void restart();
 
     // From the next frame on; what they reach is lit again.
-    void setLights(const std::vector<scene::Light>& lights) { scene_.lights().set(lights, frameIndex_ + 1); }
-    void setEnvironment(std::shared_ptr<const EnvironmentMap> environment)
-    {
-        scene_.lights().setEnvironment(device_, std::move(environment), frameIndex_ + 1);
-    }
+    void setLights(const std::vector<scene::Light>& lights);
+    void setEnvironment(std::shared_ptr<const EnvironmentMap> environment);
     void moveObject(size_t object, const glm::mat4& worldFromObject)
     {
         scene_.moveObject(object, worldFromObject, frameIndex_ + 1);
@@ -67,6 +64,7 @@ public:
     Image readDisplay() const; // RGB, sRGB-encoded display values in [0, 1]
 
 private:
+    void preparePipelines();
     void recordFrame(Frame& frame);
     void recordTextureSpace(Frame& frame);
     void recordReference(Frame& frame);
@@ -79,13 +77,15 @@ private:
     void keepToBudget();
     void countLumels(const Frame& frame);
     void countFrame(const Frame& frame);
+    Frame makeFrame(const Settings& settings, Targets& targets, uint32_t index);
     Frame makeFrame(const scene::Camera& camera, const Settings& settings, Targets& targets, uint32_t index);
     FrameStats renderFrame(const scene::Camera& camera);
     glm::mat4 clipFromWorld(const scene::Camera& camera) const;
     void begin(Frame& frame);
     void finish(Frame& frame);        // submits what is recorded, waits, and adds up the pass times
     void submitAndWait(Frame& frame); // the same, and goes on recording
-    void writeView(Frame& frame, glm::vec2 shiftInPixels);
+    shared::View makeView(const Frame& frame, glm::vec2 shiftInPixels = glm::vec2(0.0f)) const;
+    void writeView(const Frame& frame);
 
     const gpu::Device& device_;
     Settings settings_;

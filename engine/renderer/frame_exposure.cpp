@@ -22,7 +22,7 @@ LuminanceHistogram Renderer::meter(const scene::Camera& camera)
     Targets targets(device_, settings);
     const FrameStats before = std::exchange(stats_, {});
     Frame frame = makeFrame(camera, settings, targets, frameIndex_ + 1);
-    writeView(frame, glm::vec2(0.0f));
+    writeView(frame);
     begin(frame);
     deform_.record(frame);
     shadow_.record(frame);

@@ -39,7 +39,7 @@ bool Renderer::chooseDetail(Frame& frame)
     detail_ = tsl::detailFor(frame.elongations, pixels, finest, settings_.lumelsPerPixel, detail_);
     frame.detail = *detail_;
     frame.detail.levelOffset += quality_.levelBias;
-    writeView(frame, glm::vec2(0.0f));
+    writeView(frame);
     return first && *detail_ != finest;
 }
 

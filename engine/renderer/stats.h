@@ -1,6 +1,7 @@
 // What a frame did and what it cost; `--stats` and `bench --json` write it in one schema
 // (app/bench/README.md).
 #pragma once
+#include "gpu/host_work.h"
 #include "gpu/memory_report.h"
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -20,6 +21,7 @@ struct FrameStats {
     size_t poolUsedBytes = 0, poolCapBytes = 0, poolTextures = 0;
     size_t surfaceBytes = 0;  // of the surface cache, which shares the cap
     gpu::MemoryReport memory; // of the device: of all that it renders
+    gpu::HostWork hostWork;   // between the frame's begin and end
     size_t objectsTsl = 0, objectsForward = 0, objectsCulled = 0;
     float levelBias = 0.0f, levelOffset = 0.0f, anisotropy = 1.0f;
     // RMSE in display values, where measured: of the picture against the reference's; of its difference to

@@ -3,6 +3,14 @@
 
 namespace lumel {
 
+void DeformPass::prepare(const Frame& frame)
+{
+    const auto& kinds = frame.scene.surfaceKinds();
+    if (!pipeline_.handle.begun() && std::ranges::any_of(kinds, &SurfaceKind::deformed))
+        pipeline_ = gpu::makeComputePipeline(frame.device, "deform.comp", {*frame.scene.frameSet().layout()},
+                                             sizeof(shared::DeformPush));
+}
+
 void DeformPass::record(Frame& frame)
 {
     DeformedMeshes& meshes = frame.scene.deformedMeshes();
@@ -16,9 +24,6 @@ void DeformPass::record(Frame& frame)
     }
     if (std::none_of(wanted.begin(), wanted.end(), [](uint8_t is) { return is != 0; }))
         return;
-    if (!*pipeline_.handle)
-        pipeline_ = gpu::makeComputePipeline(frame.device, "deform.comp", {*frame.scene.frameSet().layout()},
-                                             sizeof(shared::DeformPush));
     const PassScope scope(frame, "deform");
     bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline_);
     for (size_t i = 0; i < wanted.size(); ++i) {

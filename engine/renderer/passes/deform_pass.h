@@ -7,10 +7,11 @@ namespace lumel {
 
 class DeformPass {
 public:
+    void prepare(const Frame& frame); // begins to make its pipeline, for a scene that needs it
     void record(Frame& frame);
 
 private:
-    gpu::Pipeline pipeline_; // made for the first scene with skins or morph targets
+    gpu::Pipeline pipeline_;
 };
 
 } // namespace lumel

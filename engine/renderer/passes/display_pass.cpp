@@ -1,6 +1,5 @@
 #include "display_pass.h"
 #include "gpu/sampler.h"
-#include "shared/tonemap.h"
 
 namespace lumel {
 namespace {
@@ -25,7 +24,6 @@ DisplayPass::DisplayPass(const gpu::Device& device, const SceneState& scene, con
       upscale_(gpu::makeComputePipeline(device, "upscale.comp", {*scene.frameSet().layout(), *displayLayout_},
                                         sizeof(shared::ScalePush)))
 {
-    pipeline(device, scene, shared::kToneMapNeutral); // the default
     connect(device, targets);
 }
 
@@ -34,11 +32,16 @@ const gpu::Pipeline& DisplayPass::pipeline(const gpu::Device& device, const Scen
                                            uint32_t toneMap)
 {
     gpu::Pipeline& display = display_[toneMap];
-    if (!*display.handle)
+    if (!display.handle.begun())
         display =
             gpu::makeComputePipeline(device, "display.comp", {*scene.frameSet().layout(), *displayLayout_},
                                      sizeof(shared::DisplayPush), toneMap);
     return display;
+}
+
+void DisplayPass::prepare(const Frame& frame)
+{
+    pipeline(frame.device, frame.scene, uint32_t(frame.settings.toneMap));
 }
 
 void DisplayPass::connect(const gpu::Device& device, const Targets& targets)

@@ -21,7 +21,7 @@ static uint32_t litFeatures(const Frame& frame)
 
 static uint32_t forwardFeatures(const Frame& frame, const GpuObject& object)
 {
-    return frame.scene.features(object.coloured) | constantMaps(*object.material);
+    return frame.scene.lights().features() | surfaceFeatures(object);
 }
 
 const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool, Kind kind, uint32_t features)
@@ -31,7 +31,7 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
     const uint32_t filter = kind == Kind::lit ? uint32_t(frame.settings.filter) : 0u;
     const uint32_t anisotropy = shades ? forwardAnisotropy(frame.settings) : 1u;
     gpu::Pipeline& pipeline = pipelines_[{kind, multisampling, features, filter, anisotropy}];
-    if (*pipeline.handle)
+    if (pipeline.handle.begun())
         return pipeline;
     gpu::GraphicsInfo info{
         .vertex = "surface.vert",
@@ -77,14 +77,26 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
     return pipeline = gpu::makeGraphicsPipeline(frame.device, info);
 }
 
-void DrawPass::prepare(const Frame& frame, const LitPool& pool)
+void DrawPass::prepare(const Frame& frame, const LitPool& pool, uint32_t lights)
 {
-    if (frame.settings.shading == Shading::tsl)
+    const Settings& settings = frame.settings;
+    if (settings.view != View::none) {
+        pipeline(frame, pool, settings.view == View::pool ? Kind::pool : Kind::view);
+        return;
+    }
+    const bool tsl = settings.shading == Shading::tsl;
+    if (tsl)
         pipeline(frame, pool, Kind::lit, litFeatures(frame));
-    else if (!frame.scene.objects().empty())
-        pipeline(frame, pool, Kind::forward, forwardFeatures(frame, frame.scene.objects().front()));
-    if (frame.scene.features() & shared::kFeatureEnvironment)
+    if (tsl && settings.budgetMs > 0.0) // it limits the lumels of some frames
+        pipeline(frame, pool, Kind::lit, shared::kFeatureWaiting);
+    if (lights & shared::kFeatureEnvironment)
         pipeline(frame, pool, Kind::background);
+    for (const SurfaceKind& kind : frame.scene.surfaceKinds()) {
+        if (!kind.blend)
+            pipeline(frame, pool, Kind::forward, lights | kind.features);
+        if (kind.blend || tsl) // whose objects fade
+            pipeline(frame, pool, Kind::blended, lights | kind.features);
+    }
 }
 
 // Of an opaque object's pixels.
@@ -261,7 +273,7 @@ void DrawPass::drawObjects(Frame& frame, const LitPool& pool)
             drawForward(frame, pool, i, 1.0f);
         }
     }
-    if (frame.scene.features() & shared::kFeatureEnvironment)
+    if (frame.scene.lights().features() & shared::kFeatureEnvironment)
         drawBackground(frame, pool); // where no depth is
     for (const size_t object : fading)
         drawForward(frame, pool, object, 1.0f - residency[object].share);

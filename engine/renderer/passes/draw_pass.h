@@ -7,8 +7,8 @@ namespace lumel {
 
 class DrawPass {
 public:
-    // Begins to make the pipelines that most frames need.
-    void prepare(const Frame& frame, const LitPool& pool);
+    // Begins to make all pipelines that frames of these settings can need, with the lights' kFeature...
+    void prepare(const Frame& frame, const LitPool& pool, uint32_t lights);
     void record(Frame& frame, const LitPool& pool);
     static void begin(Frame& frame);                             // to draw into the cleared targets
     static std::vector<size_t> nearestFirst(const Frame& frame); // objects in view

@@ -81,11 +81,18 @@ void FeedbackPass::record(Frame& frame, uint32_t divisor)
     count(frame);
 }
 
-const gpu::Pipeline& FeedbackPass::maskPipeline(const Frame& frame, const GpuObject& object)
+void FeedbackPass::prepare(const Frame& frame)
 {
-    const uint32_t features = object.coloured ? shared::kFeatureColoured : 0u;
+    for (const SurfaceKind& kind : frame.scene.surfaceKinds())
+        if (kind.mask)
+            maskPipeline(frame, kind.features & shared::kFeatureColoured);
+}
+
+const gpu::Pipeline& FeedbackPass::maskPipeline(const Frame& frame, bool coloured)
+{
+    const uint32_t features = coloured ? shared::kFeatureColoured : 0u;
     gpu::Pipeline& mask = masks_[features];
-    if (!*mask.handle)
+    if (!mask.handle.begun())
         mask = gpu::makeGraphicsPipeline(
             frame.device,
             {.vertex = "feedback_mask.vert",
@@ -129,7 +136,7 @@ void FeedbackPass::drawObjects(Frame& frame)
             draw(raster_, i);
     }
     for (const size_t i : masked) {
-        const gpu::Pipeline& pipeline = maskPipeline(frame, objects[i]);
+        const gpu::Pipeline& pipeline = maskPipeline(frame, objects[i].coloured);
         bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline, {*objects[i].material->set});
         draw(pipeline, i);
     }

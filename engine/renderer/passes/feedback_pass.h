@@ -15,6 +15,7 @@ public:
     static constexpr uint32_t kCycle = kDense * kDense;
     FeedbackPass(const gpu::Device& device, glm::uvec2 size, const SceneState& scene);
     void resize(const gpu::Device& device, glm::uvec2 size);
+    void prepare(const Frame& frame); // begins to make all pipelines that the scene can need
     // divisor: kDense, kSparse, or 1 for the first frame of a view that nothing is known of.
     void record(Frame& frame, uint32_t divisor);
     // The same samples once more, at the frame's anisotropy of now.
@@ -30,7 +31,7 @@ public:
 
 private:
     void count(Frame& frame);
-    const gpu::Pipeline& maskPipeline(const Frame& frame, const GpuObject& object);
+    const gpu::Pipeline& maskPipeline(const Frame& frame, bool coloured);
     void drawObjects(Frame& frame);
     glm::uvec2 samples_{0};
     uint32_t divisor_ = kDense;

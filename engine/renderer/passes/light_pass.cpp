@@ -10,12 +10,10 @@ LightPass::LightPass(const gpu::Device& device, const SceneState& scene, const L
 {
 }
 
-const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool& pool,
-                                              const GpuMaterial& material, bool coloured)
+const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool& pool, uint32_t features)
 {
-    const uint32_t features = frame.scene.features(coloured) | constantMaps(material);
     gpu::Pipeline& pipeline = light_[features];
-    if (!*pipeline.handle)
+    if (!pipeline.handle.begun())
         pipeline = gpu::makeComputePipeline(
             frame.device, "light.comp",
             {*frame.scene.frameSet().layout(), *frame.scene.materialLayout(), *pool.layout()},
@@ -24,11 +22,10 @@ const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool&
 }
 
 const gpu::Pipeline& LightPass::cachedPipeline(const Frame& frame, const LitPool& pool,
-                                               const SurfaceCache& surfaces, bool shadows)
+                                               const SurfaceCache& surfaces, uint32_t features)
 {
-    const uint32_t features = frame.scene.features() | (shadows ? shared::kFeatureKnownShadows : 0u);
     gpu::Pipeline& pipeline = cached_[features];
-    if (!*pipeline.handle)
+    if (!pipeline.handle.begun())
         pipeline =
             gpu::makeComputePipeline(frame.device, "light_cached.comp",
                                      {*frame.scene.frameSet().layout(), *surfaces.layout(), *pool.layout()},
@@ -36,12 +33,22 @@ const gpu::Pipeline& LightPass::cachedPipeline(const Frame& frame, const LitPool
     return pipeline;
 }
 
-void LightPass::prepare(const Frame& frame, const LitPool& pool, const PlanPass& plan)
+void LightPass::prepare(const Frame& frame, const LitPool& pool, const PlanPass& plan, uint32_t lights)
 {
-    if (!frame.scene.objects().empty())
-        lightPipeline(frame, pool, *frame.scene.objects().front().material, false);
-    for (const bool shadows : {true, false})
-        cachedPipeline(frame, pool, plan.surfaces(), shadows);
+    for (const SurfaceKind& kind : frame.scene.surfaceKinds())
+        if (kind.lightable)
+            lightPipeline(frame, pool, lights | kind.features);
+    for (const uint32_t shadows : {shared::kFeatureKnownShadows, 0u})
+        cachedPipeline(frame, pool, plan.surfaces(), lights | shadows);
+}
+
+// kFeature... beside the lights'.
+static uint32_t featuresOf(const PlanPass::LightJob& job)
+{
+    using Surface = PlanPass::Surface;
+    return (job.material ? constantMaps(*job.material) : 0u) |
+           (job.surface == Surface::coloured ? shared::kFeatureColoured : 0u) |
+           (job.surface == Surface::cachedAndShadows ? shared::kFeatureKnownShadows : 0u);
 }
 
 void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan)
@@ -49,14 +56,14 @@ void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& p
     const PassScope scope(frame, "light");
     const vk::CommandBuffer commands = frame.commands;
     const SurfaceCache& surfaces = plan.surfaces();
+    const uint32_t lights = frame.scene.lights().features();
     for (uint32_t i = 0; i < plan.lightJobs().size(); ++i) {
         const PlanPass::LightJob& job = plan.lightJobs()[i];
         if (!job.material && surfaces.state().capacity == 0)
             continue;
-        using Surface = PlanPass::Surface;
-        const gpu::Pipeline& light =
-            job.material ? lightPipeline(frame, pool, *job.material, job.surface == Surface::coloured)
-                         : cachedPipeline(frame, pool, surfaces, job.surface == Surface::cachedAndShadows);
+        const uint32_t features = lights | featuresOf(job);
+        const gpu::Pipeline& light = job.material ? lightPipeline(frame, pool, features)
+                                                  : cachedPipeline(frame, pool, surfaces, features);
         bindSets(frame, vk::PipelineBindPoint::eCompute, light,
                  {job.material ? *job.material->set : surfaces.set(), *pool.blocks()[size_t(job.block)].set});
         pushConstants(commands, light, plan.push(i));

@@ -113,7 +113,7 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
     reserve(frame.device, tiles_, first * sizeof(shared::JobTile), MemoryUsage::device, "tiles");
     reserve(frame.device, jobs_, table.size() * sizeof(shared::Job), MemoryUsage::device, "jobs");
     reserve(frame.device, upload_, table.size() * sizeof(shared::Job), MemoryUsage::staging, "jobs upload");
-    std::memcpy(upload_.mapped<void>(), table.data(), table.size() * sizeof(shared::Job));
+    upload_.write<shared::Job>(table);
     writeObjects(frame, pool, jobs);
 }
 

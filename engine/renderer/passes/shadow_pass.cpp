@@ -32,15 +32,23 @@ float halfAngleOf(const Light& light)
     return std::acos(std::clamp(-light.coneOffset / light.coneScale, -1.0f, 1.0f));
 }
 
-// Illuminance in the scene's middle, of lights that may have a shadow map; 0 for the others.
+float powerOf(const Light& light)
+{
+    return light.intensity.x + light.intensity.y + light.intensity.z;
+}
+
+bool mayHaveMap(const Light& light)
+{
+    const bool isSpot = light.type == shared::kLightSpot && halfAngleOf(light) <= kWidestSpot;
+    return (light.type == shared::kLightDirectional || isSpot) && powerOf(light) > 0.0f;
+}
+
+// Illuminance in the scene's middle.
 float strengthOf(const Light& light, const Bounds& bounds)
 {
-    const float power = light.intensity.x + light.intensity.y + light.intensity.z;
     if (light.type == shared::kLightDirectional)
-        return power;
-    if (light.type != shared::kLightSpot || halfAngleOf(light) > kWidestSpot)
-        return 0.0f;
-    return power / std::max(glm::distance(light.position, bounds.centre()), 0.1f * bounds.radius());
+        return powerOf(light);
+    return powerOf(light) / std::max(glm::distance(light.position, bounds.centre()), 0.1f * bounds.radius());
 }
 
 // The strongest lights in the order of the table, so that small changes do not swap maps.
@@ -48,8 +56,8 @@ std::vector<uint32_t> chooseLights(std::span<const Light> lights, const Bounds& 
 {
     std::vector<std::pair<float, uint32_t>> ranking;
     for (uint32_t i = 0; i < std::min<size_t>(lights.size(), shared::kListedLights); ++i)
-        if (const float strength = strengthOf(lights[i], bounds); strength > 0.0f)
-            ranking.emplace_back(-strength, i);
+        if (mayHaveMap(lights[i]))
+            ranking.emplace_back(-strengthOf(lights[i], bounds), i);
     std::sort(ranking.begin(), ranking.end());
     ranking.resize(std::min<size_t>(ranking.size(), shared::kMaxShadows));
     std::vector<uint32_t> chosen;
@@ -175,14 +183,28 @@ void ShadowPass::prepare(const gpu::Device& device, SceneState& scene, const Set
     scene.lights().setShadows(shadows, frame);
 }
 
-const gpu::Pipeline& ShadowPass::pipelineOf(const Frame& frame, const GpuObject& object)
+size_t ShadowPass::countMaps(const SceneState& scene, const Settings& settings)
 {
-    if (!(object.data.flags & shared::kObjectMask))
-        return solid_;
+    if (!settings.shadows || std::ranges::none_of(scene.objects(), &GpuObject::casts))
+        return 0;
+    const std::span lights = scene.lights().table();
+    const auto listed = lights.first(std::min<size_t>(lights.size(), shared::kListedLights));
+    return std::min<size_t>(size_t(std::ranges::count_if(listed, mayHaveMap)), shared::kMaxShadows);
+}
+
+void ShadowPass::preparePipelines(const Frame& frame)
+{
+    for (const SurfaceKind& kind : frame.scene.surfaceKinds())
+        if (kind.mask)
+            maskPipeline(frame, kind.features & shared::kFeatureColoured);
+}
+
+const gpu::Pipeline& ShadowPass::maskPipeline(const Frame& frame, bool coloured)
+{
     // Vertex colours have a say in what alpha cuts out; what lights the object has none.
-    const uint32_t features = object.coloured ? shared::kFeatureColoured : 0u;
+    const uint32_t features = coloured ? shared::kFeatureColoured : 0u;
     gpu::Pipeline& masked = masked_[features];
-    if (!*masked.handle)
+    if (!masked.handle.begun())
         masked =
             gpu::makeGraphicsPipeline(frame.device, {.vertex = "shadow.vert",
                                                      .fragment = "shadow.frag",
@@ -198,9 +220,9 @@ const gpu::Pipeline& ShadowPass::pipelineOf(const Frame& frame, const GpuObject&
 void ShadowPass::drawCaster(Frame& frame, const Map& map, size_t object)
 {
     const GpuObject& o = frame.scene.objects()[object];
-    const gpu::Pipeline& pipeline = pipelineOf(frame, o);
-    const std::array sets{*viewSet_, o.material ? *o.material->set : vk::DescriptorSet()};
     const bool isMasked = o.data.flags & shared::kObjectMask;
+    const gpu::Pipeline& pipeline = isMasked ? maskPipeline(frame, o.coloured) : solid_;
+    const std::array sets{*viewSet_, o.material ? *o.material->set : vk::DescriptorSet()};
     bindAll(frame, vk::PipelineBindPoint::eGraphics, pipeline, {sets.data(), isMasked ? 2u : 1u});
     pushConstants(frame.commands, pipeline,
                   shared::ShadowPush{.clipFromWorld = map.clipFromWorld, .object = uint32_t(object)});

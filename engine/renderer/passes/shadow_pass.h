@@ -13,6 +13,9 @@ public:
     // Chooses the lights, and finds which maps are out of date: their lights count as changed. Call when no
     // frame is in flight, before the view is written.
     void prepare(const gpu::Device& device, SceneState& scene, const Settings& settings, uint32_t frame);
+    // How many lights that chooses.
+    static size_t countMaps(const SceneState& scene, const Settings& settings);
+    void preparePipelines(const Frame& frame); // begins to make all that the scene can need
     void record(Frame& frame);
 
 private:
@@ -24,7 +27,7 @@ private:
     };
     void allocate(const gpu::Device& device, SceneState& scene, uint32_t size, uint32_t layers);
     void drawCaster(Frame& frame, const Map& map, size_t object);
-    const gpu::Pipeline& pipelineOf(const Frame& frame, const GpuObject& object);
+    const gpu::Pipeline& maskPipeline(const Frame& frame, bool coloured);
 
     // Set 0 of the casters' pipelines: the view alone. The frame's set holds the maps themselves, and
     // software Vulkan ends a picture before each draw that could read it.

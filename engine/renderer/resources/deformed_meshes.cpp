@@ -75,7 +75,7 @@ std::vector<uint8_t> DeformedMeshes::set(const scene::Shapes& shapes)
             continue; // animations pause
         deformed[i] = 1;
         joints_[i] = shapes.joints[i];
-        std::copy(joints_[i].begin(), joints_[i].end(), matrices_.mapped<glm::mat4>() + firstMatrix_[i]);
+        matrices_.write<glm::mat4>(joints_[i], firstMatrix_[i]);
     }
     static const scene::Matrices kNone;
     std::vector<uint8_t> changed(items_.size(), 0);
@@ -91,7 +91,7 @@ std::vector<uint8_t> DeformedMeshes::set(const scene::Shapes& shapes)
         item.bounds = scene::deformedBounds(item.extents, joints, item.weights);
         item.mirrored =
             !joints.empty() && glm::determinant(glm::mat3(joints[item.extents.joints.front().first])) < 0.0f;
-        std::copy(item.weights.begin(), item.weights.end(), weights_.mapped<float>() + firstWeight_[i]);
+        weights_.write<float>(item.weights, firstWeight_[i]);
     }
     return changed;
 }

@@ -1,4 +1,5 @@
 #include "frame_set.h"
+#include "gpu/barrier.h"
 #include "gpu/sampler.h"
 
 namespace lumel {
@@ -14,6 +15,13 @@ FrameSet::FrameSet(const gpu::Device& device)
 {
     gpu::writeUniform(device, *set_, 0, view_.handle());
     gpu::writeUniform(device, *set_, 1, lights_.handle());
+}
+
+void FrameSet::recordView(vk::CommandBuffer commands, const shared::View& view) const
+{
+    gpu::memoryBarrier(commands, gpu::Use::general, gpu::Use::transferWrite);
+    commands.updateBuffer<shared::View>(view_.handle(), 0, view);
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::general);
 }
 
 void FrameSet::bindEnvironment(const gpu::Device& device, vk::ImageView map)

@@ -5,7 +5,6 @@
 #include "gpu/pipeline.h"
 #include "gpu/resource.h"
 #include "shared/structs.h"
-#include <algorithm>
 #include <span>
 
 namespace lumel {
@@ -19,10 +18,12 @@ public:
     vk::Buffer viewBuffer() const { return view_.handle(); }
 
     // Call these when no frame is in flight.
-    void writeView(const shared::View& view) { *view_.mapped<shared::View>() = view; }
+    void writeView(const shared::View& view) { view_.write(std::span(&view, 1)); }
+    // The same as a command, for several views in a submission.
+    void recordView(vk::CommandBuffer commands, const shared::View& view) const;
     void writeLights(std::span<const shared::Light> lights) // at most kMaxLights
     {
-        std::ranges::copy(lights, lights_.mapped<shared::Light>());
+        lights_.write(lights);
     }
     void bindEnvironment(const gpu::Device& device, vk::ImageView map);
     void bindObjects(const gpu::Device& device, vk::BufferView table);

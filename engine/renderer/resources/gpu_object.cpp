@@ -45,6 +45,20 @@ shared::Object dataOf(const scene::Material& material, const GpuMesh& mesh, cons
 
 } // namespace
 
+uint32_t surfaceFeatures(const GpuObject& object)
+{
+    return constantMaps(*object.material) | (object.coloured ? shared::kFeatureColoured : 0u);
+}
+
+SurfaceKind kindOf(const GpuObject& object)
+{
+    return {.features = surfaceFeatures(object),
+            .blend = object.blend,
+            .mask = (object.data.flags & shared::kObjectMask) != 0,
+            .lightable = object.texelMap != nullptr,
+            .deformed = object.deformed >= 0};
+}
+
 GpuObject makeObject(const scene::Scene& scene, const scene::Object& object, const SceneResources& resources,
                      const DeformedMeshes& deformed)
 {

@@ -19,6 +19,17 @@ struct GpuObject {
     bool mirrored = false; // the transform flips triangle winding
 };
 
+// kFeature... of an object's own, which shaders that look up its material are made for.
+uint32_t surfaceFeatures(const GpuObject& object);
+
+// What of an object decides about the pipelines that draw and light it.
+struct SurfaceKind {
+    uint32_t features = 0; // surfaceFeatures()
+    bool blend = false, mask = false, lightable = false, deformed = false;
+    auto operator<=>(const SurfaceKind&) const = default;
+};
+SurfaceKind kindOf(const GpuObject& object);
+
 // As the scene has it. The resources outlive it.
 GpuObject makeObject(const scene::Scene& scene, const scene::Object& object, const SceneResources& resources,
                      const DeformedMeshes& deformed);

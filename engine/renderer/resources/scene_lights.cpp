@@ -111,17 +111,16 @@ void SceneLights::setShadows(const std::vector<shared::Shadow>& shadows, uint32_
     shadows_ = shadows;
 }
 
-uint32_t SceneLights::features() const
+uint32_t SceneLights::features(size_t shadowMaps) const
 {
     return (environment_->exists() ? shared::kFeatureEnvironment : 0u) |
-           (shadows_.empty() ? 0u : shared::kFeatureShadows) |
-           (shadows_.size() < table_.size() ? shared::kFeatureUnshadowed : 0u) |
+           (shadowMaps == 0 ? 0u : shared::kFeatureShadows) |
+           (shadowMaps < table_.size() ? shared::kFeatureUnshadowed : 0u) |
            (table_.size() > 32 ? shared::kFeatureManyLights : 0u);
 }
 
-void SceneLights::write(shared::View& view)
+void SceneLights::describe(shared::View& view) const
 {
-    set_.writeLights(table_);
     view.lightCount = uint32_t(table_.size());
     view.lightsChanged = changed_;
     view.skyRadiance = sky_;

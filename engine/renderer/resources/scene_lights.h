@@ -31,9 +31,11 @@ public:
     const std::vector<shared::Shadow>& shadows() const { return shadows_; }
     glm::vec3 skyRadiance() const { return sky_; }
     glm::vec3 groundRadiance() const { return ground_; }
-    uint32_t features() const; // kFeature... of shaders that light by them
-    // Their part of the view, and the table beside it. Call when no frame is in flight.
-    void write(shared::View& view);
+    // kFeature... of shaders that light by them, and by so many shadow maps.
+    uint32_t features(size_t shadowMaps) const;
+    uint32_t features() const { return features(shadows_.size()); }
+    void writeTable() { set_.writeLights(table_); } // call when no frame is in flight
+    void describe(shared::View& view) const;        // their part of it
 
     uint32_t changed() const { return changed_; }       // frame of the last change to any of them
     uint32_t changedAll() const { return changedAll_; } // of the last one that all objects see

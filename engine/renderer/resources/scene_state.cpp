@@ -16,6 +16,8 @@ SceneState::SceneState(const gpu::Device& device, const scene::Scene& scene, con
     lights_.set(scene::lightsOf(scene), 0);
     for (const scene::Object& object : scene.objects)
         objects_.push_back(makeObject(scene, object, resources, deformed_));
+    for (const GpuObject& object : objects_)
+        kinds_.insert(kindOf(object));
 }
 
 void SceneState::moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame)
@@ -51,6 +53,7 @@ bool SceneState::changedSince(size_t object, uint32_t frame) const
 std::span<shared::Object> SceneState::writeObjects()
 {
     const std::span table(objectTable_.mapped<shared::Object>(), objects_.size());
+    gpu::hostWork().uploadedBytes += table.size_bytes();
     for (size_t i = 0; i < objects_.size(); ++i) {
         shared::Object row = objects_[i].data;
         row.changed = std::max(row.changed, lights_.changedAll());

@@ -3,6 +3,7 @@
 #pragma once
 #include "gpu_object.h"
 #include "scene_lights.h"
+#include <set>
 
 namespace lumel {
 
@@ -15,6 +16,7 @@ public:
     SceneState& operator=(const SceneState&) = delete;
 
     const std::vector<GpuObject>& objects() const { return objects_; }
+    const std::set<SurfaceKind>& surfaceKinds() const { return kinds_; } // of the objects
     const gpu::SetLayout& materialLayout() const { return resources_.materials->layout(); }
     FrameSet& frameSet() { return frameSet_; }
     const FrameSet& frameSet() const { return frameSet_; }
@@ -22,11 +24,6 @@ public:
     const SceneLights& lights() const { return lights_; }
     DeformedMeshes& deformedMeshes() { return deformed_; }
     const DeformedMeshes& deformedMeshes() const { return deformed_; }
-    // Of shaders that light its objects, or those of them that have vertex colours.
-    uint32_t features(bool coloured = false) const
-    {
-        return lights_.features() | (coloured ? shared::kFeatureColoured : 0u);
-    }
 
     // As of `frame`. What has changed is lit again.
     void moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame);
@@ -48,6 +45,7 @@ private:
     SceneLights lights_;
     DeformedMeshes deformed_;
     std::vector<GpuObject> objects_;
+    std::set<SurfaceKind> kinds_;
     gpu::Buffer objectTable_;
     vk::raii::BufferView objectTexels_;
     uint32_t changed_ = 0; // frame in which an object last did
