@@ -111,9 +111,10 @@ void Input::onKey(ViewState& state, const Event& event)
         break;
     case GLFW_KEY_F1:
         state.help = !state.help;
+        state.hint = false;
         break;
     case GLFW_KEY_ESCAPE:
-        state.help = false;
+        state.help = state.hint = false;
         state.selected.reset();
         break;
     case GLFW_KEY_Q:
@@ -185,7 +186,7 @@ void Input::onMove(ViewState& state, const Layout& layout, glm::vec2 at)
 
 void Input::fly(ViewState& state, float seconds)
 {
-    flying_ = false;
+    const bool goesOn = std::exchange(flying_, false);
     if (ImGui::GetIO().WantTextInput || glfwGetKey(window_, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS)
         return;
     const auto held = [this](int plus, int minus) {
@@ -197,7 +198,7 @@ void Input::fly(ViewState& state, float seconds)
     flying_ = direction != glm::vec3(0.0f);
     const bool fast = glfwGetKey(window_, GLFW_KEY_LEFT_SHIFT) == GLFW_PRESS;
     if (flying_)
-        state.camera.fly((fast ? 2.0f : 0.5f) * direction, std::min(seconds, 0.2f));
+        state.camera.fly((fast ? 2.0f : 0.5f) * direction, std::min(seconds, goesOn ? 0.2f : 0.03f));
 }
 
 void Input::apply(ViewState& state, const Layout& layout, float seconds)
@@ -211,7 +212,7 @@ void Input::apply(ViewState& state, const Layout& layout, float seconds)
             break;
         case Event::character:
             if (event.code == '?' && !io.WantTextInput)
-                state.help = !state.help;
+                state.help = !state.help, state.hint = false;
             break;
         case Event::button:
             if (event.down)

@@ -14,7 +14,9 @@ public:
     // After ImGui::NewFrame(), which says what the panels take.
     void apply(ViewState& state, const Layout& layout, float seconds);
     // Whether something happened since the last call of apply().
-    bool any() const { return !events_.empty() || flying_; }
+    bool any() const { return !events_.empty() || !dropped_.empty(); }
+    // The camera is moved by a held key or button.
+    bool steers() const { return flying_ || (drag_ != Drag::none && orbiting_); }
 
 private:
     struct Event {

@@ -1,0 +1,111 @@
+#include "picture_stream.h"
+#include "gpu/barrier.h"
+
+namespace lumel {
+namespace {
+
+constexpr auto kColour = vk::ImageAspectFlagBits::eColor;
+constexpr vk::ImageSubresourceLayers kLayers{kColour, 0, 0, 1};
+
+void fit(const gpu::Device& device, gpu::Image& image, vk::Extent2D size)
+{
+    const gpu::ImageInfo info{.format = vk::Format::eR8G8B8A8Unorm,
+                              .width = size.width,
+                              .height = size.height,
+                              .usage =
+                                  vk::ImageUsageFlagBits::eTransferSrc | vk::ImageUsageFlagBits::eTransferDst,
+                              .remedy = "use a smaller window"};
+    if (!image || !(image.info() == info))
+        image = gpu::Image(device, info, "shown picture");
+}
+
+void fit(const gpu::Device& device, gpu::Buffer& buffer, size_t bytes, gpu::MemoryUsage usage)
+{
+    if (buffer.size() < bytes)
+        buffer = gpu::Buffer(device, bytes, usage, "shown picture", "use a smaller window",
+                             gpu::MemoryKind::staging);
+}
+
+size_t bytesOf(vk::Extent2D size)
+{
+    return size_t(size.width) * size.height * 4;
+}
+
+vk::BufferImageCopy wholeOf(vk::Extent2D size)
+{
+    return {.imageSubresource = kLayers, .imageExtent = {size.width, size.height, 1}};
+}
+
+} // namespace
+
+void PictureStream::write(const gpu::Image& picture)
+{
+    Slot& slot = slots_[written_];
+    slot.size = picture.extent();
+    if (throughHost())
+        fit(renders_, slot.bytes, bytesOf(slot.size), gpu::MemoryUsage::readback);
+    else
+        fit(renders_, slot.image, slot.size);
+    renders_.runOnce([&](vk::CommandBuffer commands) {
+        if (throughHost()) {
+            commands.copyImageToBuffer(picture.handle(), vk::ImageLayout::eTransferSrcOptimal,
+                                       slot.bytes.handle(), wholeOf(slot.size));
+            gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::hostRead);
+            return;
+        }
+        gpu::imageBarrier(commands, slot.image.handle(), kColour, gpu::Use::undefined,
+                          gpu::Use::transferWrite);
+        commands.copyImage(picture.handle(), vk::ImageLayout::eTransferSrcOptimal, slot.image.handle(),
+                           vk::ImageLayout::eTransferDstOptimal,
+                           vk::ImageCopy{.srcSubresource = kLayers,
+                                         .dstSubresource = kLayers,
+                                         .extent = {slot.size.width, slot.size.height, 1}});
+        gpu::imageBarrier(commands, slot.image.handle(), kColour, gpu::Use::transferWrite,
+                          gpu::Use::transferRead);
+    });
+    const std::lock_guard lock(mutex_);
+    std::swap(written_, ready_);
+    fresh_ = true;
+}
+
+const gpu::Image* PictureStream::latest()
+{
+    bool fresh = false;
+    {
+        const std::lock_guard lock(mutex_);
+        fresh = std::exchange(fresh_, false);
+        if (fresh)
+            std::swap(shown_, ready_);
+        any_ = any_ || fresh;
+    }
+    if (!any_)
+        return nullptr;
+    if (!throughHost())
+        return &slots_[shown_].image;
+    if (fresh)
+        upload(slots_[shown_]);
+    return &uploaded_;
+}
+
+void PictureStream::upload(const Slot& slot)
+{
+    fit(shows_, staging_, bytesOf(slot.size), gpu::MemoryUsage::staging);
+    std::memcpy(staging_.mapped<std::byte>(), slot.bytes.read<std::byte>(), bytesOf(slot.size));
+    fit(shows_, uploaded_, slot.size);
+    shows_.runOnce([&](vk::CommandBuffer commands) {
+        gpu::imageBarrier(commands, uploaded_.handle(), kColour, gpu::Use::undefined,
+                          gpu::Use::transferWrite);
+        commands.copyBufferToImage(staging_.handle(), uploaded_.handle(),
+                                   vk::ImageLayout::eTransferDstOptimal, wholeOf(slot.size));
+        gpu::imageBarrier(commands, uploaded_.handle(), kColour, gpu::Use::transferWrite,
+                          gpu::Use::transferRead);
+    });
+}
+
+void PictureStream::forget()
+{
+    const std::lock_guard lock(mutex_);
+    fresh_ = any_ = false;
+}
+
+} // namespace lumel
