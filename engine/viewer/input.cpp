@@ -30,6 +30,11 @@ Input& Input::of(GLFWwindow* window)
     return *static_cast<Input*>(glfwGetWindowUserPointer(window));
 }
 
+void Input::noteWindow(GLFWwindow* window)
+{
+    of(window).events_.push_back({.kind = Event::window});
+}
+
 Input::Input(GLFWwindow* window) : window_(window)
 {
     glfwSetWindowUserPointer(window, this);
@@ -54,6 +59,11 @@ Input::Input(GLFWwindow* window) : window_(window)
     glfwSetScrollCallback(window, [](GLFWwindow* w, double x, double y) {
         of(w).events_.push_back({.kind = Event::scroll, .at = {x, y}});
     });
+    glfwSetWindowRefreshCallback(window, noteWindow);
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { noteWindow(w); });
+    glfwSetWindowIconifyCallback(window, [](GLFWwindow* w, int) { noteWindow(w); });
+    glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int) { noteWindow(w); });
+    glfwSetCursorEnterCallback(window, [](GLFWwindow* w, int) { noteWindow(w); });
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
         of(w).dropped_.assign(paths, paths + count);
         double x = 0.0, y = 0.0;
@@ -226,6 +236,8 @@ void Input::apply(ViewState& state, const Layout& layout, float seconds)
         case Event::scroll:
             if (!io.WantCaptureMouse)
                 state.camera.dolly(event.at.y);
+            break;
+        case Event::window:
             break;
         }
     }

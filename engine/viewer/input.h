@@ -20,7 +20,7 @@ public:
 
 private:
     struct Event {
-        enum Kind { key, character, button, move, scroll } kind;
+        enum Kind { key, character, button, move, scroll, window } kind; // window: it looks different now
         int code = 0; // key, code point or button
         int mods = 0;
         bool down = false;
@@ -28,6 +28,7 @@ private:
     };
     enum class Drag { none, orbit, look, pan, split };
     static Input& of(GLFWwindow* window);
+    static void noteWindow(GLFWwindow* window);
     void onKey(ViewState& state, const Event& event);
     void onButton(ViewState& state, const Layout& layout, const Event& event);
     void onMove(ViewState& state, const Layout& layout, glm::vec2 at);

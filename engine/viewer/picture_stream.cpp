@@ -12,8 +12,9 @@ void fit(const gpu::Device& device, gpu::Image& image, vk::Extent2D size)
     const gpu::ImageInfo info{.format = vk::Format::eR8G8B8A8Unorm,
                               .width = size.width,
                               .height = size.height,
-                              .usage =
-                                  vk::ImageUsageFlagBits::eTransferSrc | vk::ImageUsageFlagBits::eTransferDst,
+                              .usage = vk::ImageUsageFlagBits::eTransferSrc |
+                                       vk::ImageUsageFlagBits::eTransferDst |
+                                       vk::ImageUsageFlagBits::eSampled, // its view needs one such use
                               .remedy = "use a smaller window"};
     if (!image || !(image.info() == info))
         image = gpu::Image(device, info, "shown picture");

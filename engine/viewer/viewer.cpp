@@ -12,6 +12,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
+#include <limits>
 #include <spdlog/spdlog.h>
 
 namespace lumel {
@@ -21,8 +22,9 @@ constexpr size_t kHistory = 240; // frames in the graph
 constexpr double kMessageSeconds = 6.0;
 constexpr double kAnimationStep = 1.0 / 30.0; // seconds
 // Seconds between redraws: after input, which the panels follow over a few frames; while the view or an
-// animation moves, and while something is loaded, which needs the time more. What happens ends a long wait.
-constexpr double kRedraw = 1.0 / 60.0, kSteeringRedraw = 1.0 / 30.0, kLoadingRedraw = 0.1, kLongWait = 0.25;
+// animation moves, and while something is loaded, which needs the time more.
+constexpr double kRedraw = 1.0 / 60.0, kSteeringRedraw = 1.0 / 30.0, kLoadingRedraw = 0.1;
+constexpr double kLongestWait = 0.25; // seconds, until Ctrl-C is looked for again
 constexpr int kRedrawsOfInput = 3;
 
 } // namespace
@@ -98,9 +100,10 @@ std::vector<std::string> Viewer::validationMessages() const
 
 void Viewer::run()
 {
-    while (!glfwWindowShouldClose(frontend_.window) && !state_.requests.quit)
-        if (await())
-            frame();
+    while (!glfwWindowShouldClose(frontend_.window) && !state_.requests.quit) {
+        await();
+        frame();
+    }
 }
 
 bool Viewer::minimised() const
@@ -108,50 +111,40 @@ bool Viewer::minimised() const
     return glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) != 0;
 }
 
-// Seconds after the frame before, unless something happens.
+// Seconds after the last redraw; infinite unless something moves by itself.
 double Viewer::untilRedraw() const
 {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
     if (minimised())
-        return kLongWait;
+        return kNever;
     if (redraws_ > 0)
         return kRedraw;
     if (frontend_.input->steers() || (state_.playing && !state_.paused) ||
         (state_.autoExposure && exposureKnown_ && !state_.paused && !adaptation_.arrived()))
         return kSteeringRedraw;
-    if (loader_.busy() || uploading_)
+    // Progress, a result, a blinking cursor.
+    if (loader_.busy() || uploading_ || inspector_.busy() || ImGui::GetIO().WantTextInput)
         return kLoadingRedraw;
-    if (inspector_.busy() || ImGui::GetIO().WantTextInput) // a result, a blinking cursor
-        return kLoadingRedraw;
-    const double left = report_.messageUntil - lastFrame_;
-    return left > 0.0 ? left + kRedraw : kLongWait;
+    const double message = report_.messageUntil - lastFrame_;
+    return message > 0.0 ? message : kNever;
 }
 
 // Until the window is to be drawn again: after input, with a finished frame of the scene, or for what moves
-// by itself. False: nothing has happened.
-bool Viewer::await()
+// by itself.
+void Viewer::await()
 {
-    if (interrupted())
-        throw Interrupted();
-    const double wait = untilRedraw();
-    const double due = lastFrame_ + wait;
+    const double due = lastFrame_ + untilRedraw();
     // Redrawing more often would take the scene's time.
     const double soonest = lastFrame_ + (frontend_.input->steers() ? kSteeringRedraw : kRedraw);
-    for (double now = glfwGetTime(); now < due; now = glfwGetTime()) {
-        if (thread_->hasResult())
-            return true;
-        const bool input = frontend_.input->any();
-        if (input && now >= soonest)
-            break;
-        const double until = std::min((input ? soonest : due) - now, kLongWait);
-        glfwWaitEventsTimeout(until);
-        const bool woken = glfwGetTime() < now + until;
-        if (woken && !frontend_.input->any() && !thread_->hasResult())
-            return true; // the system has uncovered the window, or the like
+    glfwPollEvents();
+    while (!thread_->hasResult()) {
         if (interrupted())
             throw Interrupted();
+        const double now = glfwGetTime(), until = frontend_.input->any() ? soonest : due;
+        if (now >= until || glfwWindowShouldClose(frontend_.window))
+            return;
+        glfwWaitEventsTimeout(std::min(until - now, kLongestWait));
     }
-    glfwPollEvents();
-    return wait < kLongWait || frontend_.input->any() || lastFrame_ == 0.0;
 }
 
 void Viewer::frame()
@@ -167,9 +160,9 @@ void Viewer::frame()
     const auto layoutNow = [this] {
         return ui::layoutOf(state_, ImGui::GetIO().DisplaySize, frontend_.scale);
     };
+    const bool hinted = state_.hint;
     frontend_.input->apply(state_, layoutNow(), seconds);
     const ui::Layout layout = layoutNow();
-    const bool hinted = state_.hint;
     ui::drawPanels(state_, report_, layout);
     ImGui::Render();
     if (hinted && !state_.hint)

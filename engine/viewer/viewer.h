@@ -37,7 +37,7 @@ private:
         std::filesystem::path file; // the scene, or the material's baked one
         std::string material;       // its name
     };
-    bool await();
+    void await();
     double untilRedraw() const;
     void frame();
     void collect();

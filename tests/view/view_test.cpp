@@ -3,6 +3,7 @@
 #include "../cli/program.h"
 #include "core/image.h"
 #include "display.h"
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
@@ -38,6 +39,8 @@ protected:
         ASSERT_NE(mkdtemp(pattern.data()), nullptr);
         folder_ = pattern;
         fs::create_directory(folder_ / "cache");
+        fs::create_directories(hintFile().parent_path());
+        std::ofstream(hintFile()) << "hint = off\n";
         for (const char* name : {"first", "second"}) {
             const fs::path file = folder_ / (std::string(name) + ".gltf");
             nlohmann::json scene = cli::squareScene(file);
@@ -66,6 +69,7 @@ protected:
         dup2(log, STDOUT_FILENO);
         dup2(log, STDERR_FILENO);
         setenv("XDG_CACHE_HOME", (folder_ / "cache").c_str(), 1);
+        setenv("XDG_CONFIG_HOME", (folder_ / "config").c_str(), 1);
         setenv("DISPLAY", display->name().c_str(), 1);
         unsetenv("WAYLAND_DISPLAY");
         std::vector<char*> argv;
@@ -154,6 +158,43 @@ protected:
         return 0;
     }
 
+    fs::path hintFile() const { return folder_ / "config" / "lumel" / "viewer.conf"; }
+
+    // Whether the window comes to show, bit for bit, what the command of the view renders: below the label at
+    // the top, above messages.
+    bool endsAtThePictureOfShot(Window window)
+    {
+        display->key("c");
+        std::string command;
+        for (int i = 0; i < 200 && command.rfind("lumel shot", 0) != 0; ++i) {
+            pause(50);
+            command = display->clipboard();
+        }
+        rerun(command);
+        const Image picture = readImage(folder_ / "lumel.png");
+        const int top = 45, height = picture.height - top - 5;
+        std::vector<uint8_t> expected;
+        for (int y = top; y < top + height; ++y)
+            for (int i = 0; i < 3 * picture.width; ++i)
+                expected.push_back(uint8_t(std::lround(255.0f * picture.at(0, y)[i])));
+        for (int i = 0; i < 600; ++i, pause(100)) // messages go after a few seconds
+            if (display->pixels(window, 0, top, picture.width, height) == expected)
+                return true;
+        return false;
+    }
+
+    // Seconds of processor time that the viewer has used.
+    double processorSeconds() const
+    {
+        std::istringstream status(readText("/proc/" + std::to_string(child_) + "/stat"));
+        std::string word;
+        for (int i = 0; i < 13; ++i) // its name has no spaces
+            status >> word;
+        double user = 0.0, system = 0.0;
+        status >> user >> system;
+        return (user + system) / double(sysconf(_SC_CLK_TCK));
+    }
+
     fs::path folder_;
     pid_t child_ = 0;
     int shots_ = 0;
@@ -192,6 +233,52 @@ TEST_F(View, ShowsWhatTheCopiedCommandRenders)
     display->key("q", {"Control_L"});
     EXPECT_EQ(finish(), 0) << log();
     EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
+}
+
+TEST_F(View, StillViewsEndAtThePictureOfShot)
+{
+    start({"first.gltf", "--size", "700x300", "--budget-ms", "5", "--validate"});
+    const Window window = display->find("first.gltf - Lumel");
+    ASSERT_NE(window, 0u) << log();
+    EXPECT_TRUE(endsAtThePictureOfShot(window)) << log();
+    display->drag(window, 1, 100, 100, 180, 140);
+    EXPECT_TRUE(endsAtThePictureOfShot(window)) << "after motion: " << log();
+    display->resize(window, 760, 340);
+    pause(200);
+    EXPECT_TRUE(endsAtThePictureOfShot(window)) << "after a resize: " << log();
+    display->key("v"); // another view and back
+    pause(100);
+    display->key("v", {"Shift_L"});
+    EXPECT_TRUE(endsAtThePictureOfShot(window)) << log();
+    display->key("q", {"Control_L"});
+    EXPECT_EQ(finish(), 0) << log();
+    EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
+}
+
+TEST_F(View, RestsWhenNothingChanges)
+{
+    start({"first.gltf", "--size", "700x300"});
+    const Window window = display->find("first.gltf - Lumel");
+    ASSERT_NE(window, 0u) << log();
+    EXPECT_TRUE(endsAtThePictureOfShot(window)) << log();
+    pause(1000);
+    const double before = processorSeconds();
+    pause(3000);
+    EXPECT_LT(processorSeconds() - before, 0.1);
+    display->key("q", {"Control_L"});
+    EXPECT_EQ(finish(), 0) << log();
+}
+
+TEST_F(View, RemembersThatTheHintWasDismissed)
+{
+    fs::remove(hintFile());
+    start({"first.gltf", "--size", "700x300"});
+    ASSERT_NE(display->find("first.gltf - Lumel"), 0u) << log();
+    display->key("Escape");
+    EXPECT_TRUE(appears(hintFile()));
+    EXPECT_EQ(readText(hintFile()), "hint = off\n");
+    display->key("q", {"Control_L"});
+    EXPECT_EQ(finish(), 0) << log();
 }
 
 TEST_F(View, PlaysAnimationsAndCopiesTheirSecond)
