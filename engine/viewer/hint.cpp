@@ -16,7 +16,8 @@ struct FirstKey {
     const char* what;
 };
 constexpr std::array kFirstKeys{FirstKey{"Left drag", "orbit"}, FirstKey{"X", "compare two pictures"},
-                           FirstKey{"V", "debug views"}, FirstKey{"C", "copy as command"}, FirstKey{"?", "all keys"}};
+                                FirstKey{"V", "debug views"}, FirstKey{"C", "copy as command"},
+                                FirstKey{"?", "all keys"}};
 constexpr const char* kDismiss = "Esc hides this";
 
 // $XDG_CONFIG_HOME/lumel/viewer.conf, else in ~/.config (XDG Base Directory specification); empty: nowhere.
@@ -66,7 +67,8 @@ void drawHint(const Layout& layout)
     if (width > layout.picture.x - 2.0f * pad)
         return;
     const float height = ImGui::GetFontSize() + 2.0f * pad;
-    const ImVec2 corner{std::round(0.5f * (layout.picture.x - width)), layout.picture.y - height - 2.0f * pad};
+    const ImVec2 corner{std::round(0.5f * (layout.picture.x - width)),
+                        layout.picture.y - height - 2.0f * pad};
     ImDrawList* list = ImGui::GetBackgroundDrawList();
     list->AddRectFilled(corner, {corner.x + width, corner.y + height}, kShade, 6.0f * layout.scale);
     ImVec2 at{corner.x + pad, corner.y + pad};

@@ -21,7 +21,7 @@ public:
 private:
     struct Event {
         enum Kind { key, character, button, move, scroll, window } kind; // window: it looks different now
-        int code = 0; // key, code point or button
+        int code = 0;                                                    // key, code point or button
         int mods = 0;
         bool down = false;
         glm::vec2 at{0.0f}; // the cursor, or how far was scrolled

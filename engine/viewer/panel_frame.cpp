@@ -221,8 +221,8 @@ static void drawFrameTime(const ViewState& state, const ViewReport& report)
     }
     const char* const words = state.paused ? "paused" : report.finished ? "finished" : "refining";
     ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(words).x);
-    ImGui::TextColored(
-        ImGui::ColorConvertU32ToFloat4(report.finished && !state.paused ? kFaint : kAccent), "%s", words);
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(report.finished && !state.paused ? kFaint : kAccent),
+                       "%s", words);
 }
 
 void drawFrameTimes(const ViewState& state, const ViewReport& report)

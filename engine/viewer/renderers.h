@@ -1,5 +1,6 @@
 // The viewer's renderers: one for each side of the split, one for the reference that both are measured by.
-// They share the scene's resources; sides of other filters have other materials. Used by one thread at a time.
+// They share the scene's resources; sides of other filters have other materials. Used by one thread at a
+// time.
 #pragma once
 #include "app/playback.h"
 #include "loader.h"
@@ -110,7 +111,7 @@ private:
     std::optional<Playback> playback_; // of a scene that is animated
     std::shared_ptr<const GeometryResources> geometry_;
     std::map<baker::Method, Bake> materials_;
-    mutable std::mutex materialsMutex_; // of changes to the map
+    mutable std::mutex materialsMutex_;                 // of changes to the map
     std::shared_ptr<const EnvironmentMap> environment_; // the scene's, until another is set
     std::array<Slot, 3> slots_;
     std::array<bool, 2> isReference_{}; // what the sides show

@@ -39,7 +39,7 @@ public:
 
     // All below: on the window's thread.
     void post(SceneRequest request); // in place of the one before
-    bool hasResult() const; // take() has something
+    bool hasResult() const;          // take() has something
     // Nothing when there is nothing new. Throws what a frame threw.
     std::optional<SceneResult> take();
     // Work with the renderers, before the next frame, for which another request is awaited. The answer is
@@ -56,7 +56,10 @@ public:
     {
         return renderers_.materials(method);
     }
-    std::optional<baker::Method> missing(const ui::ViewState& state) const { return renderers_.missing(state); }
+    std::optional<baker::Method> missing(const ui::ViewState& state) const
+    {
+        return renderers_.missing(state);
+    }
     PictureStream& pictures(size_t side) { return side == 0 ? left_ : right_; }
 
 private:
@@ -80,9 +83,9 @@ private:
     ViewRenderers renderers_;
     std::function<void()> wake_;
     SceneReport report_;
-    bool rendered_ = false; // by the last round
-    ProgressMonitor stop_;  // of what a newer request makes needless
-    std::mutex using_;     // the renderers
+    bool rendered_ = false;    // by the last round
+    ProgressMonitor stop_;     // of what a newer request makes needless
+    std::mutex using_;         // the renderers
     mutable std::mutex mutex_; // of all below
     std::condition_variable changed_;
     std::optional<SceneRequest> next_;

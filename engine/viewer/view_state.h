@@ -85,8 +85,8 @@ struct ViewReport {
     std::string message; // shown until `messageUntil`, in seconds of glfwGetTime()
     bool messageIsError = false;
     double messageUntil = 0.0;
-    float ambient = 0.0f;     // radiance of the uniform sky
-    int referenceSamples = 0; // behind psnr
+    float ambient = 0.0f;                   // radiance of the uniform sky
+    int referenceSamples = 0;               // behind psnr
     std::array<baker::Method, 2> methods{}; // of the materials that the sides show
     bool finished = false;                  // further frames would not change the pictures
     Inspection inspection;

@@ -101,9 +101,9 @@ private:
     bool exposureAsked_ = false; // is automatic exposure needed?
     bool exposureKnown_ = false; // of this view; until then nothing is rendered
     std::optional<LuminanceHistogram> metered_;
-    int redraws_ = 3; // that panels take to follow input
-    double lastFrame_ = 0.0;     // seconds
-    double played_ = 0.0;        // seconds of the animation
+    int redraws_ = 3;        // that panels take to follow input
+    double lastFrame_ = 0.0; // seconds
+    double played_ = 0.0;    // seconds of the animation
     std::string title_;
     std::array<int, 4> windowed_{}; // place and size before full screen
 };

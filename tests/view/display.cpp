@@ -219,8 +219,7 @@ bool Display::drop(Window window, const std::filesystem::path& file, int x, int 
 
 std::vector<uint8_t> Display::pixels(Window window, int x, int y, int width, int height)
 {
-    XImage* image =
-        XGetImage(display_, window, x, y, unsigned(width), unsigned(height), AllPlanes, ZPixmap);
+    XImage* image = XGetImage(display_, window, x, y, unsigned(width), unsigned(height), AllPlanes, ZPixmap);
     std::vector<uint8_t> rgb;
     if (!image)
         return rgb;
