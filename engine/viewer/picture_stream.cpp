@@ -41,6 +41,44 @@ vk::BufferImageCopy wholeOf(vk::Extent2D size)
 
 void PictureStream::write(const gpu::Image& picture)
 {
+    copy(picture);
+    publish();
+}
+
+void PictureStream::fadeTo(const gpu::Image& picture, const std::function<bool()>& next)
+{
+    constexpr int kSteps = 6;
+    const vk::Extent2D size = picture.extent();
+    const size_t bytes = bytesOf(size);
+    std::vector<uint8_t> from;
+    {
+        const std::lock_guard lock(mutex_); // neither of the two is written to
+        const Slot& last = slots_[fresh_ ? ready_ : shown_];
+        if (throughHost() && last.size == size)
+            from.assign(last.bytes.read<uint8_t>(), last.bytes.read<uint8_t>() + bytes);
+    }
+    copy(picture);
+    if (from.empty()) {
+        publish();
+        return;
+    }
+    const auto* exact = slots_[written_].bytes.read<uint8_t>();
+    const std::vector<uint8_t> to(exact, exact + bytes);
+    for (int step = 1; step < kSteps && next(); ++step) {
+        Slot& slot = slots_[written_];
+        slot.size = size;
+        fit(renders_, slot.bytes, bytes, gpu::MemoryUsage::readback);
+        auto* mixed = slot.bytes.mapped<uint8_t>();
+        for (size_t i = 0; i < bytes; ++i)
+            mixed[i] = uint8_t((from[i] * (kSteps - step) + to[i] * step) / kSteps);
+        publish();
+    }
+    copy(picture);
+    publish();
+}
+
+void PictureStream::copy(const gpu::Image& picture)
+{
     Slot& slot = slots_[written_];
     slot.size = picture.extent();
     if (throughHost())
@@ -64,9 +102,19 @@ void PictureStream::write(const gpu::Image& picture)
         gpu::imageBarrier(commands, slot.image.handle(), kColour, gpu::Use::transferWrite,
                           gpu::Use::transferRead);
     });
+}
+
+void PictureStream::publish()
+{
     const std::lock_guard lock(mutex_);
     std::swap(written_, ready_);
     fresh_ = true;
+}
+
+bool PictureStream::fresh() const
+{
+    const std::lock_guard lock(mutex_);
+    return fresh_;
 }
 
 const gpu::Image* PictureStream::latest()

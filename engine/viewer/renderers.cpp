@@ -135,6 +135,7 @@ void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Metho
 // False when the picture is up to date.
 bool ViewRenderers::renderSlot(Slot& slot, const ui::ViewState& state, ProgressMonitor& stop)
 {
+    slot.refined = false;
     Renderer& renderer = *slot.renderer;
     const bool reference = renderer.settings().shading == Shading::reference;
     const bool done = reference ? renderer.samples() >= state.settings.samples : isDone(slot);
@@ -146,7 +147,7 @@ bool ViewRenderers::renderSlot(Slot& slot, const ui::ViewState& state, ProgressM
         slot.changed = now;
     if (slot.rendered && !reference && renderer.settings().budgetMs > 0.0 && !again) {
         if (now - slot.changed >= kStill)
-            return renderExact(slot, state, &stop);
+            return slot.refined = renderExact(slot, state, &stop);
         if (renderer.settled())
             return false;
     }

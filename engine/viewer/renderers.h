@@ -45,6 +45,9 @@ public:
     // Further frames would not change the picture.
     bool finished() const { return finished_; }
 
+    // The last render() replaced this side's picture by the one without a budget.
+    bool refined(size_t side) const { return rendererOf(side)->refined; }
+
     // In place of the scene's.
     void setLights(const std::vector<scene::Light>& lights);
     // In place of the scene's.
@@ -75,6 +78,7 @@ private:
         std::unique_ptr<Renderer> exact;
         std::optional<double> exactSeconds;
         bool isExact = false;  // that of `exact` is shown
+        bool refined = false;  // by the last frame
         bool rendered = false; // up to date
         std::chrono::steady_clock::time_point changed;
         std::optional<LuminanceHistogram> metered; // of that view

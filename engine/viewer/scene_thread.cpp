@@ -35,7 +35,7 @@ void SceneThread::post(SceneRequest request)
 bool SceneThread::hasResult() const
 {
     const std::lock_guard lock(mutex_);
-    return resulted_ || failure_ || !answers_.empty();
+    return resulted_ || failure_ || !answers_.empty() || left_.fresh() || right_.fresh();
 }
 
 std::optional<SceneResult> SceneThread::take()
@@ -150,20 +150,37 @@ void SceneThread::work(const SceneRequest& request)
         const auto start = std::chrono::steady_clock::now();
         rendered_ = renderers_.render(request.state, size, report_, stop_);
         if (rendered_) {
-            for (size_t side = 0; side < (request.state.split ? 2u : 1u); ++side)
-                if (const gpu::Image* picture = renderers_.picture(side))
-                    pictures(side).write(*picture);
             const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
             ui::FrameSample sample{.at = glfwGetTime(), .ms = float(ms.count()), .passMs = {}};
             for (size_t side = 0; side < (request.state.split ? 2u : 1u); ++side)
                 for (const auto& [pass, passMs] : report_.sides[side].stats.passMs)
                     sample.passMs[pass] += passMs;
             result.frames.push_back(std::move(sample));
+            copyPictures(request.state.split ? 2 : 1);
         }
         result.finished = renderers_.finished();
     }
     const bool idle = !active || !request.pictures || result.finished;
     publish(request, std::move(result), idle);
+}
+
+void SceneThread::copyPictures(size_t sides)
+{
+    constexpr auto kStep = std::chrono::milliseconds(30);
+    for (size_t side = 0; side < sides; ++side) {
+        const gpu::Image* picture = renderers_.picture(side);
+        if (!picture)
+            continue;
+        if (!renderers_.refined(side)) {
+            pictures(side).write(*picture);
+            continue;
+        }
+        pictures(side).fadeTo(*picture, [&] {
+            wake_();
+            std::unique_lock lock(mutex_);
+            return !changed_.wait_for(lock, kStep, [this] { return stop_.cancelled.load(); });
+        });
+    }
 }
 
 void SceneThread::publish(const SceneRequest& request, SceneResult result, bool idle)

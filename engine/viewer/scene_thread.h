@@ -77,6 +77,7 @@ private:
     bool pause();
     bool runTasks();
     void work(const SceneRequest& request);
+    void copyPictures(size_t sides);
     void publish(const SceneRequest& request, SceneResult result, bool idle);
 
     PictureStream left_, right_;
