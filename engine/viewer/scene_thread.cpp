@@ -81,7 +81,8 @@ SceneThread::Pause::~Pause()
     {
         const std::lock_guard lock(thread_.mutex_);
         --thread_.pauses_;
-        thread_.idle_ = false; // whatever was changed
+        thread_.next_.reset(); // earlier requests are about what was before
+        thread_.idle_ = true;
     }
     thread_.changed_.notify_all();
 }

@@ -45,7 +45,7 @@ public:
     // Work with the renderers, before the next frame, for which another request is awaited. The answer is
     // called by take().
     void ask(Task task);
-    // Calls `use` with the renderers between two frames.
+    // Calls `use` with the renderers between two frames; another request is then awaited.
     template<class Use>
     decltype(auto) withRenderers(const Use& use)
     {

@@ -26,6 +26,31 @@ TEST_F(StillView, StillViewsEndAtThePictureOfShot)
     EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
 }
 
+TEST_F(StillView, EndsAtThePictureOfShotAfterALightWasMovedAndPutBack)
+{
+    nlohmann::json scene = cli::squareScene(folder_ / "lit.gltf");
+    cli::addLight(scene, "directional", 2.0f);
+    cli::writeScene(folder_ / "lit.gltf", scene);
+    start({"lit.gltf", "--size", "700x600", "--validate"});
+    const Window window = display->find("lit.gltf - Lumel");
+    ASSERT_NE(window, 0u) << log();
+    ASSERT_TRUE(endsAtThePictureOfShot(window)) << log();
+    const auto picture = [&] { return display->pixels(window, 0, 45, 328, 500); };
+    const std::vector<uint8_t> before = picture();
+    display->drag(window, 1, 567, 22, 567, 22);   // the tab of the lights
+    display->drag(window, 1, 488, 279, 560, 279); // a part of the first one's direction
+    EXPECT_TRUE(endsAtThePictureOfShot(window)) << log();
+    EXPECT_NE(display->clipboard().find("--light sun"), std::string::npos) << display->clipboard();
+    EXPECT_TRUE(picture() != before);
+    display->key("Home");
+    pause(200);
+    EXPECT_TRUE(endsAtThePictureOfShot(window)) << log();
+    EXPECT_TRUE(picture() == before);
+    display->key("q", {"Control_L"});
+    EXPECT_EQ(finish(), 0) << log();
+    EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
+}
+
 TEST_F(StillView, RestsWhenNothingChanges)
 {
     start({"first.gltf", "--size", "700x300"});

@@ -163,10 +163,10 @@ protected:
     // the top, above messages.
     bool endsAtThePictureOfShot(Window window)
     {
-        display->key("c");
-        std::string command;
-        for (int i = 0; i < 200 && command.rfind("lumel shot", 0) != 0; ++i) {
-            pause(50);
+        std::string command; // nothing before the first picture
+        for (int i = 0; i < 60 && command.rfind("lumel shot", 0) != 0; ++i) {
+            display->key("c");
+            pause(500);
             command = display->clipboard();
         }
         rerun(command);
