@@ -96,6 +96,7 @@ struct BenchArguments : SceneArguments {
 bool runBench(const BenchArguments& arguments);
 
 struct ViewArguments : SceneArguments {
+    ViewArguments() { settings.budgetMs = 33.0; }
     bool listDevices = false; // and nothing else
     gpu::PresentMode presentMode = gpu::PresentMode::fifo;
     bool split = false; // the right side: shading and filter of its own

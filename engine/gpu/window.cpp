@@ -68,7 +68,9 @@ std::array<vk::Offset3D, 2> cornersOf(const vk::Rect2D& rect)
 Window::Window(const Device& device, GLFWwindow* window, PresentMode mode)
     : device_(device), window_(window), mode_(mode), acquired_(device.handle(), vk::SemaphoreCreateInfo{}),
       fence_(device.handle(), vk::FenceCreateInfo{}),
-      commands_(device.handle(), {.commandPool = *device.commandPool(), .commandBufferCount = 1})
+      pool_(device.handle(), {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
+                              .queueFamilyIndex = device.queueFamily()}),
+      commands_(device.handle(), {.commandPool = *pool_, .commandBufferCount = 1})
 {
     createSurface();
     createPanels();
@@ -76,7 +78,7 @@ Window::Window(const Device& device, GLFWwindow* window, PresentMode mode)
 
 Window::~Window()
 {
-    device_.handle().waitIdle();
+    waitIdle();
     ImGui_ImplVulkan_Shutdown();
 }
 
@@ -154,9 +156,15 @@ vk::Extent2D Window::extentBy(const vk::SurfaceCapabilitiesKHR& limits) const
     return extent;
 }
 
+void Window::waitIdle() const
+{
+    const auto lock = device_.lockQueue();
+    device_.handle().waitIdle();
+}
+
 bool Window::createSwapchain()
 {
-    device_.handle().waitIdle();
+    waitIdle();
     const auto limits = device_.physical().getSurfaceCapabilitiesKHR(*surface_);
     const vk::Extent2D extent = extentBy(limits);
     if (extent.width == 0 || extent.height == 0)
@@ -245,8 +253,7 @@ bool Window::acquire(uint32_t& image)
         } catch (const vk::OutOfDateKHRError&) {
             outdated_ = true;
         } catch (const vk::SurfaceLostKHRError&) {
-            const auto lock = device_.lockQueue();
-            device_.handle().waitIdle();
+            waitIdle();
             framebuffers_.clear();
             views_.clear();
             swapchain_ = nullptr;

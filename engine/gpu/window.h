@@ -33,6 +33,7 @@ public:
 private:
     void createSurface();
     vk::Extent2D extentBy(const vk::SurfaceCapabilitiesKHR& limits) const;
+    void waitIdle() const;
     bool createSwapchain(); // false: the window has no area
     void createImages();
     void createPanels();
@@ -56,6 +57,7 @@ private:
     std::vector<vk::raii::Semaphore> drawn_; // an image's: presenting waits for it
     vk::raii::Semaphore acquired_ = nullptr;
     vk::raii::Fence fence_ = nullptr;
+    vk::raii::CommandPool pool_ = nullptr; // other threads may record at the same time
     vk::raii::CommandBuffers commands_ = nullptr;
     bool outdated_ = true;
 };

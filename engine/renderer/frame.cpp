@@ -20,6 +20,7 @@ void Renderer::recordFrame(Frame& frame)
         recordReference(frame); // ground truth: many jittered forward frames at level 0
     else
         draw_.record(frame, pool_); // look the light up, per pixel
+    endPass(frame);
     if (filtersEdges(settings_))
         edges_.record(frame); // smooth the staircases between objects
     display_.record(frame, settings_.shading == Shading::reference ? sumSamples_ : 0); // tone-map, once
@@ -43,10 +44,13 @@ void Renderer::recordTextureSpace(Frame& frame)
     }
     assignTextures(frame); // which recycled texture does each object draw?
     pool_.recordHandovers(frame);
-    plan_.record(frame, feedback_);          // which of its tiles are to be lit, derived or kept?
+    plan_.record(frame, feedback_); // which of its tiles are to be lit, derived or kept?
+    endPass(frame);
     light_.recordLight(frame, pool_, plan_); // light them, once: linear radiance
+    endPass(frame);
     light_.recordLower(frame, pool_, plan_); // derive coarser tiles
     plan_.recordReadback(frame);             // how many?
+    endPass(frame);
 }
 
 Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene, const SceneResources& resources,
@@ -85,7 +89,15 @@ void Renderer::finish(Frame& frame)
 void Renderer::submitAndWait(Frame& frame)
 {
     finish(frame);
+    if (passesAlone_)
+        checkInterrupted();
     begin(frame);
+}
+
+void Renderer::endPass(Frame& frame)
+{
+    if (passesAlone_)
+        submitAndWait(frame);
 }
 
 shared::View Renderer::makeView(const Frame& frame, glm::vec2 shiftInPixels) const

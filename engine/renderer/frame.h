@@ -43,6 +43,9 @@ public:
     void setSettings(const Settings& settings);
     // Drops all state of earlier frames: the next is as a new renderer's first.
     void restart();
+    // For frames that take long beside others' work: each pass is a submission, and Ctrl-C or a monitor is
+    // heard after each: a frame that throws Interrupted is followed by restart().
+    void submitPassesAlone() { passesAlone_ = true; }
 
     // From the next frame on; what they reach is lit again.
     void setLights(const std::vector<scene::Light>& lights);
@@ -84,6 +87,7 @@ private:
     void begin(Frame& frame);
     void finish(Frame& frame);        // submits what is recorded, waits, and adds up the pass times
     void submitAndWait(Frame& frame); // the same, and goes on recording
+    void endPass(Frame& frame);
     shared::View makeView(const Frame& frame, glm::vec2 shiftInPixels = glm::vec2(0.0f)) const;
     void writeView(const Frame& frame);
 
@@ -113,6 +117,7 @@ private:
     bool budgetMissed_ = false; // said so
     uint32_t frameIndex_ = 0;
     glm::uvec2 renderSize_{0};
+    bool passesAlone_ = false;
     bool settled_ = false;
     bool first_ = true; // nothing is known of any view
     int sumSamples_ = 0;

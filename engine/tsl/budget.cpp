@@ -9,6 +9,9 @@ namespace {
 // follows what moves. Pixels that leave them less make the render scale fall to where they get the second
 // share, and it rises when they would still get the third: in between, lumels give and take.
 constexpr double kLeastShare = 0.05, kShareAfterFall = 0.14, kShareAfterRise = 0.22;
+// Of what the fewest pixels take beyond the budget: it is missed anyway, and light that waits would show
+// more.
+constexpr double kShareOfExcess = 0.3;
 // Below this many lumels the time says nothing about one: dispatches dominate.
 constexpr size_t kTellingLumels = 1024;
 constexpr double kLeastExcess = 1.0, kMostExcess = 1.4;
@@ -80,9 +83,12 @@ BudgetController::BudgetController(double budgetMs) : budget_(budgetMs)
 
 void BudgetController::allotLumels(double target)
 {
-    const double left = std::max(target - model_.withoutLumels(quality_.renderScale), kLeastShare * budget_);
-    quality_.lumels =
-        uint32_t(std::clamp(left / std::max(model_.lumel(), 1e-9), double(kTellingLumels), 4e9));
+    const double left = target - model_.withoutLumels(quality_.renderScale);
+    double least = kLeastShare * budget_;
+    if (quality_.renderScale == kLeastRenderScale)
+        least += kShareOfExcess * std::max(-left, 0.0);
+    quality_.lumels = uint32_t(
+        std::clamp(std::max(left, least) / std::max(model_.lumel(), 1e-9), double(kTellingLumels), 4e9));
 }
 
 // The greatest scale at which all but lumels cost at most `ms`.

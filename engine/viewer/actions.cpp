@@ -21,7 +21,7 @@ void Viewer::act(const ui::Layout& layout)
     try {
         for (const auto& file : asked.open)
             open(file, asked.openAt, layout);
-        if (!renderers_->scene())
+        if (!scene_)
             return;
         actOnCamera(asked, layout);
         if (state_.lightsEdited)
@@ -46,7 +46,7 @@ void Viewer::act(const ui::Layout& layout)
 
 void Viewer::actOnCamera(const ui::Requests& asked, const ui::Layout& layout)
 {
-    const auto scene = renderers_->scene();
+    const auto scene = scene_;
     if (asked.reset)
         resetView();
     if (asked.camera >= 0) {
@@ -79,7 +79,7 @@ void Viewer::open(const std::filesystem::path& file, glm::vec2 at, const ui::Lay
 
 void Viewer::replaceMaterial(const std::filesystem::path& file, glm::vec2 at, const ui::Layout& layout)
 {
-    const auto scene = renderers_->scene();
+    const auto scene = scene_;
     if (!scene)
         return;
     const float aspect = layout.picture.x / layout.picture.y;
@@ -96,37 +96,59 @@ void Viewer::replaceMaterial(const std::filesystem::path& file, glm::vec2 at, co
     loader_.begin(arguments_.scene, bakeOptions(state_.sides[0].filter), changed);
 }
 
-SceneArguments Viewer::argumentsOf(size_t side) const
+// Of the command that renders what a side shows.
+static SceneArguments argumentsOf(size_t side, const ViewRenderers& renderers, const SceneArguments& given,
+                                  const ui::ViewState& state)
 {
-    SceneArguments a = arguments_;
-    a.settings = renderers_->settings(side);
+    SceneArguments a = given;
+    a.settings = renderers.settings(side);
     a.settings.budgetMs = 0.0; // its quality depends on the machine's load
     if (a.settings.shading == Shading::reference)
-        a.settings.samples = renderers_->samples(side);
-    a.filter = renderers_->method(side);
-    if (state_.lightsEdited) {
+        a.settings.samples = renderers.samples(side);
+    a.filter = renderers.method(side);
+    if (state.lightsEdited) {
         a.lights = 0;
-        a.lightList = state_.lights;
+        a.lightList = state.lights;
     }
     // What the command would choose by itself depends on the view.
-    const bool chooses = state_.autoExposure || hasOwnLights(a, *renderers_->scene());
-    a.exposure = chooses || state_.exposureChosen ? ExposureChoice::fixed : ExposureChoice::perScene;
+    const bool chooses = state.autoExposure || hasOwnLights(a, *renderers.scene());
+    a.exposure = chooses || state.exposureChosen ? ExposureChoice::fixed : ExposureChoice::perScene;
     return a;
+}
+
+// Does `work`, which may throw Error, with the renderers, and says so or calls the answer.
+void Viewer::ask(std::function<SceneThread::Answer(ViewRenderers&)> work)
+{
+    thread_->ask([this, work = std::move(work)](ViewRenderers& renderers) -> SceneThread::Answer {
+        try {
+            return work(renderers);
+        } catch (const Interrupted&) {
+            throw;
+        } catch (const Error& e) {
+            return [this, why = std::string(e.what())] { say(why, true); };
+        }
+    });
 }
 
 void Viewer::copyCommand()
 {
-    std::string text;
-    for (size_t side = 0; side < (state_.split ? 2u : 1u); ++side) {
-        if (!renderers_->picture(side))
-            throw Error("nothing has been rendered yet; try again");
-        const char* const name = !state_.split ? "lumel.png"
-                                 : side == 0   ? "lumel-left.png"
-                                               : "lumel-right.png";
-        text += shotCommand(argumentsOf(side), state_.camera, state_.seconds, name) + "\n";
-    }
-    glfwSetClipboardString(frontend_.window, text.c_str());
-    say("copied: " + text.substr(0, text.size() - 1));
+    ask([this, state = state_, given = SceneArguments(arguments_)](ViewRenderers& renderers) {
+        std::string text;
+        for (size_t side = 0; side < (state.split ? 2u : 1u); ++side) {
+            if (!renderers.picture(side))
+                throw Error("nothing has been rendered yet; try again");
+            const char* const name = !state.split ? "lumel.png"
+                                     : side == 0  ? "lumel-left.png"
+                                                  : "lumel-right.png";
+            text +=
+                shotCommand(argumentsOf(side, renderers, given, state), state.camera, state.seconds, name) +
+                "\n";
+        }
+        return [this, text] {
+            glfwSetClipboardString(frontend_.window, text.c_str());
+            say("copied: " + text.substr(0, text.size() - 1));
+        };
+    });
 }
 
 void Viewer::takeScreenshot(const char* extension)
@@ -135,24 +157,31 @@ void Viewer::takeScreenshot(const char* extension)
     do
         stem = fmt::format("lumel-{:03}", ++screenshots_);
     while (std::filesystem::exists(stem + ".txt"));
-    std::string commands, names;
-    for (size_t side = 0; side < (state_.split ? 2u : 1u); ++side) {
-        if (!renderers_->picture(side))
-            throw Error("nothing has been rendered yet; try again");
-        const char* const suffix = !state_.split ? "" : side == 0 ? "-left" : "-right";
-        const std::filesystem::path file = stem + suffix + extension;
-        writeImage(file, renderers_->screenshot(state_, side, std::string_view(extension) == ".exr"));
-        commands += shotCommand(argumentsOf(side), state_.camera, state_.seconds, file) + "\n";
-        names += (names.empty() ? "" : ", ") + file.string();
-    }
-    writeFileAtomically(stem + ".txt", commands);
-    say(fmt::format("saved {}, and the command in {}.txt", names, stem));
+    ask([this, stem, extension = std::string(extension), state = state_,
+         given = SceneArguments(arguments_)](ViewRenderers& renderers) {
+        std::string commands, names;
+        for (size_t side = 0; side < (state.split ? 2u : 1u); ++side) {
+            if (!renderers.picture(side))
+                throw Error("nothing has been rendered yet; try again");
+            const char* const suffix = !state.split ? "" : side == 0 ? "-left" : "-right";
+            const std::filesystem::path file = stem + suffix + extension;
+            writeImage(file, renderers.screenshot(state, side, extension == ".exr"));
+            commands +=
+                shotCommand(argumentsOf(side, renderers, given, state), state.camera, state.seconds, file) +
+                "\n";
+            names += (names.empty() ? "" : ", ") + file.string();
+        }
+        writeFileAtomically(stem + ".txt", commands);
+        return [this, names, stem] { say(fmt::format("saved {}, and the command in {}.txt", names, stem)); };
+    });
 }
 
 void Viewer::reloadShaders()
 {
-    gpu::reloadShaders();
-    renderers_->restart();
+    thread_->withRenderers([](ViewRenderers& renderers) {
+        gpu::reloadShaders();
+        renderers.restart();
+    });
     say("shaders reloaded");
 }
 

@@ -30,6 +30,11 @@ Input& Input::of(GLFWwindow* window)
     return *static_cast<Input*>(glfwGetWindowUserPointer(window));
 }
 
+void Input::noteWindow(GLFWwindow* window)
+{
+    of(window).events_.push_back({.kind = Event::window});
+}
+
 Input::Input(GLFWwindow* window) : window_(window)
 {
     glfwSetWindowUserPointer(window, this);
@@ -54,6 +59,11 @@ Input::Input(GLFWwindow* window) : window_(window)
     glfwSetScrollCallback(window, [](GLFWwindow* w, double x, double y) {
         of(w).events_.push_back({.kind = Event::scroll, .at = {x, y}});
     });
+    glfwSetWindowRefreshCallback(window, noteWindow);
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { noteWindow(w); });
+    glfwSetWindowIconifyCallback(window, [](GLFWwindow* w, int) { noteWindow(w); });
+    glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int) { noteWindow(w); });
+    glfwSetCursorEnterCallback(window, [](GLFWwindow* w, int) { noteWindow(w); });
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
         of(w).dropped_.assign(paths, paths + count);
         double x = 0.0, y = 0.0;
@@ -111,9 +121,10 @@ void Input::onKey(ViewState& state, const Event& event)
         break;
     case GLFW_KEY_F1:
         state.help = !state.help;
+        state.hint = false;
         break;
     case GLFW_KEY_ESCAPE:
-        state.help = false;
+        state.help = state.hint = false;
         state.selected.reset();
         break;
     case GLFW_KEY_Q:
@@ -185,7 +196,7 @@ void Input::onMove(ViewState& state, const Layout& layout, glm::vec2 at)
 
 void Input::fly(ViewState& state, float seconds)
 {
-    flying_ = false;
+    const bool goesOn = std::exchange(flying_, false);
     if (ImGui::GetIO().WantTextInput || glfwGetKey(window_, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS)
         return;
     const auto held = [this](int plus, int minus) {
@@ -197,7 +208,7 @@ void Input::fly(ViewState& state, float seconds)
     flying_ = direction != glm::vec3(0.0f);
     const bool fast = glfwGetKey(window_, GLFW_KEY_LEFT_SHIFT) == GLFW_PRESS;
     if (flying_)
-        state.camera.fly((fast ? 2.0f : 0.5f) * direction, std::min(seconds, 0.2f));
+        state.camera.fly((fast ? 2.0f : 0.5f) * direction, std::min(seconds, goesOn ? 0.2f : 0.03f));
 }
 
 void Input::apply(ViewState& state, const Layout& layout, float seconds)
@@ -211,7 +222,7 @@ void Input::apply(ViewState& state, const Layout& layout, float seconds)
             break;
         case Event::character:
             if (event.code == '?' && !io.WantTextInput)
-                state.help = !state.help;
+                state.help = !state.help, state.hint = false;
             break;
         case Event::button:
             if (event.down)
@@ -225,6 +236,8 @@ void Input::apply(ViewState& state, const Layout& layout, float seconds)
         case Event::scroll:
             if (!io.WantCaptureMouse)
                 state.camera.dolly(event.at.y);
+            break;
+        case Event::window:
             break;
         }
     }

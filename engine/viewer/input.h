@@ -14,18 +14,21 @@ public:
     // After ImGui::NewFrame(), which says what the panels take.
     void apply(ViewState& state, const Layout& layout, float seconds);
     // Whether something happened since the last call of apply().
-    bool any() const { return !events_.empty() || flying_; }
+    bool any() const { return !events_.empty() || !dropped_.empty(); }
+    // The camera is moved by a held key or button.
+    bool steers() const { return flying_ || (drag_ != Drag::none && orbiting_); }
 
 private:
     struct Event {
-        enum Kind { key, character, button, move, scroll } kind;
-        int code = 0; // key, code point or button
+        enum Kind { key, character, button, move, scroll, window } kind; // window: it looks different now
+        int code = 0;                                                    // key, code point or button
         int mods = 0;
         bool down = false;
         glm::vec2 at{0.0f}; // the cursor, or how far was scrolled
     };
     enum class Drag { none, orbit, look, pan, split };
     static Input& of(GLFWwindow* window);
+    static void noteWindow(GLFWwindow* window);
     void onKey(ViewState& state, const Event& event);
     void onButton(ViewState& state, const Layout& layout, const Event& event);
     void onMove(ViewState& state, const Layout& layout, glm::vec2 at);

@@ -20,7 +20,7 @@ scene::MaterialOptions Viewer::bakeOptions(baker::Method method) const
 void Viewer::beginLoading(const std::filesystem::path& file)
 {
     load_ = {.kind = Load::Kind::scene, .file = file, .material = {}};
-    const bool first = !renderers_ || !renderers_->scene();
+    const bool first = !scene_;
     asked_ = first ? 0.0 : glfwGetTime(); // it counts from the program's start
     loader_.begin(file, bakeOptions(state_.sides[0].filter), {}, [this, file, first](scene::Scene& scene) {
         // Options that change a scene are about the one they came with.
@@ -35,56 +35,84 @@ void Viewer::finishLoading()
 {
     report_.loading = loader_.busy() ? loader_.progress().label() : std::string();
     report_.loadingShare = loader_.progress().share();
+    if (uploading_) // no share of it is known
+        report_.loading = "uploading " + load_.file.filename().string();
     try {
-        if (const auto loaded = loader_.take())
-            take(*loaded);
+        if (std::shared_ptr<scene::LoadedScene> loaded = loader_.take())
+            take(loaded);
     } catch (const Error& e) {
-        if (!renderers_->scene())
-            throw;
-        if (load_.kind == Load::Kind::filter) // not to be tried again and again
-            state_.sides = {ui::Side{state_.sides[0].shading, renderers_->method(0)},
-                            ui::Side{state_.sides[1].shading, renderers_->method(0)}};
-        say(e.what(), true);
+        loadFailed(load_, e.what());
     }
 }
 
-void Viewer::take(const scene::LoadedScene& loaded)
+void Viewer::loadFailed(const Load& load, const std::string& why)
 {
-    if (load_.kind == Load::Kind::filter) {
-        renderers_->addMaterials(loaded);
+    if (!scene_)
+        throw Error(why);
+    if (load.kind == Load::Kind::filter) // not to be tried again and again
+        state_.sides = {ui::Side{state_.sides[0].shading, report_.methods[0]},
+                        ui::Side{state_.sides[1].shading, report_.methods[0]}};
+    say(why, true);
+}
+
+void Viewer::take(const std::shared_ptr<scene::LoadedScene>& loaded)
+{
+    const Load load = load_;
+    if (load.kind == Load::Kind::filter) {
+        thread_->withRenderers([&](ViewRenderers& renderers) { renderers.addMaterials(*loaded); });
         return;
     }
-    const bool first = !renderers_->scene();
-    renderers_->setScene(loaded, state_);
-    report_.scene = renderers_->scene().get();
-    report_.lumelGrids = renderers_->lumelGrids();
+    uploading_ = true;
+    thread_->ask([this, load, loaded, state = state_](ViewRenderers& renderers) -> SceneThread::Answer {
+        try {
+            renderers.setScene(*loaded, state);
+        } catch (const Error& e) {
+            return [this, load, why = std::string(e.what())] {
+                uploading_ = false;
+                loadFailed(load, why);
+            };
+        }
+        return [this, load, scene = loaded->scene, grids = renderers.lumelGrids()] {
+            uploading_ = false;
+            report_.lumelGrids = grids;
+            const bool first = !std::exchange(scene_, scene);
+            taken(load, first);
+        };
+    });
+}
+
+void Viewer::taken(const Load& load, bool first)
+{
+    report_.scene = scene_.get();
     report_.inspection = {};
     report_.residency.clear();
-    if (load_.kind == Load::Kind::material)
-        keepView();
+    if (load.kind == Load::Kind::material)
+        keepView(load);
     else
-        beginView(first);
+        beginView(load, first);
 }
 
 // The scene that was shown before, with another material.
-void Viewer::keepView()
+void Viewer::keepView(const Load& load)
 {
-    renderers_->setEnvironment(environment_);
-    if (!state_.lightsEdited)
-        renderers_->setLights(state_.lights);
-    arguments_.materialFiles.emplace_back(load_.material, load_.file);
-    say(fmt::format("{}: replaces the material '{}'", load_.file.filename().string(), load_.material));
+    thread_->withRenderers([&](ViewRenderers& renderers) {
+        renderers.setEnvironment(environment_);
+        if (!state_.lightsEdited)
+            renderers.setLights(state_.lights);
+    });
+    arguments_.materialFiles.emplace_back(load.material, load.file);
+    say(fmt::format("{}: replaces the material '{}'", load.file.filename().string(), load.material));
 }
 
 // Another scene. first: the one that the command line's options are about.
-void Viewer::beginView(bool first)
+void Viewer::beginView(const Load& load, bool first)
 {
-    arguments_.scene = load_.file;
+    arguments_.scene = load.file;
     if (!first)
         forgetSceneOptions();
     state_.lightsEdited = false;
     state_.selected.reset();
-    const scene::Scene& scene = *renderers_->scene();
+    const scene::Scene& scene = *scene_;
     const bool animated = scene.animation.seconds > 0.0;
     state_.seconds = first && animated ? arguments_.seconds : std::nullopt;
     state_.playing = animated && !state_.seconds;
@@ -100,6 +128,7 @@ void Viewer::beginView(bool first)
         exposureAsked_ = hasOwnLights(arguments_, scene);
     }
     adaptation_.reset();
+    exposureKnown_ = false;
     resetView();
 }
 
@@ -117,16 +146,16 @@ void Viewer::forgetSceneOptions()
 
 std::vector<scene::Light> Viewer::defaultLights() const
 {
-    const scene::Scene& scene = *renderers_->scene();
+    const scene::Scene& scene = *scene_;
     return scene.lights.empty() ? scene::lightsOf(environment_.get()) : scene.lights;
 }
 
 void Viewer::changeEnvironment()
 {
-    if (!renderers_->scene() || state_.environment == environmentName_)
+    if (!scene_ || state_.environment == environmentName_)
         return;
     try {
-        environment_ = scene::chooseEnvironment(state_.environment, *renderers_->scene());
+        environment_ = scene::chooseEnvironment(state_.environment, *scene_);
     } catch (const Error& e) {
         state_.environment = environmentName_;
         say(e.what(), true);
@@ -135,31 +164,33 @@ void Viewer::changeEnvironment()
     environmentName_ = arguments_.environment = state_.environment;
     if (state_.environment == "none" && !state_.settings.ambient) // as for --environment none
         state_.settings.ambient = 0.0f;
-    renderers_->setEnvironment(environment_);
-    if (state_.lightsEdited)
-        return;
-    state_.lights = defaultLights();
-    renderers_->setLights(state_.lights);
+    if (!state_.lightsEdited)
+        state_.lights = defaultLights();
+    thread_->withRenderers([&](ViewRenderers& renderers) {
+        renderers.setEnvironment(environment_);
+        if (!state_.lightsEdited)
+            renderers.setLights(state_.lights);
+    });
 }
 
 void Viewer::resetView()
 {
-    const scene::Scene& scene = *renderers_->scene();
+    const scene::Scene& scene = *scene_;
     arguments_.settings.size = state_.settings.size; // of the picture, which frames the scene
     const ChosenCamera chosen = chooseCamera(arguments_, scene);
     state_.camera.reset(chosen.camera, scene.bounds, !chosen.named);
     state_.lights = defaultLights();
     if (std::exchange(state_.lightsEdited, false))
-        renderers_->setLights(state_.lights);
+        thread_->withRenderers([&](ViewRenderers& renderers) { renderers.setLights(state_.lights); });
 }
 
 void Viewer::loadMissing()
 {
-    if (loader_.busy() || !renderers_->scene())
+    if (loader_.busy() || uploading_ || !scene_)
         return;
-    if (const auto method = renderers_->missing(state_)) {
+    if (const auto method = thread_->missing(state_)) {
         load_ = {.kind = Load::Kind::filter, .file = {}, .material = {}};
-        loader_.begin(arguments_.scene, bakeOptions(*method), renderers_->scene());
+        loader_.begin(arguments_.scene, bakeOptions(*method), scene_);
     }
 }
 

@@ -168,6 +168,8 @@ void drawOverlay(const ViewState& state, const ViewReport& report, const Layout&
 {
     drawSelection(state, report, layout);
     drawSplit(state, report, layout);
+    if (state.hint && report.scene && report.loading.empty())
+        drawHint(layout);
     drawMessage(report, layout);
     drawProgress(report, layout);
 }

@@ -40,6 +40,35 @@ void bar(float share, ImU32 colour, ImVec2 at, ImVec2 size)
         list->AddRectFilled(at, {at.x + width, at.y + size.y}, colour, 2.0f);
 }
 
+float medianOf(std::vector<float> values)
+{
+    const auto middle = values.begin() + long(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+struct FrameRate {
+    float ms = 0.0f, perSecond = 0.0f; // medians of the second before the newest frame; 0: unknown
+};
+
+FrameRate frameRate(const std::deque<FrameSample>& history)
+{
+    std::vector<float> times, intervals;
+    for (auto sample = history.rbegin(); sample != history.rend(); ++sample) {
+        if (sample->at < history.back().at - 1.0)
+            break;
+        times.push_back(sample->ms);
+        if (sample != history.rbegin())
+            intervals.push_back(float(std::prev(sample)->at - sample->at));
+    }
+    FrameRate rate;
+    if (!times.empty())
+        rate.ms = medianOf(times);
+    if (!intervals.empty())
+        rate.perSecond = 1.0f / std::max(medianOf(intervals), 1e-4f);
+    return rate;
+}
+
 // Milliseconds that the graph spans: twice the median, rounded up so that it rarely changes. Single long
 // frames, such as a scene's first, are clipped.
 float spanOf(const ViewReport& report)
@@ -49,10 +78,9 @@ float spanOf(const ViewReport& report)
         times.push_back(sample.ms);
     if (times.empty())
         return 20.0f;
-    const auto middle = times.begin() + long(times.size() / 2);
-    std::nth_element(times.begin(), middle, times.end());
+    const float middle = medianOf(times);
     float span = 20.0f;
-    while (span < 2.0f * *middle)
+    while (span < 2.0f * middle)
         span *= 2.0f;
     return span;
 }
@@ -175,18 +203,33 @@ float frameTimesHeight()
            (float(kPassNames.size()) + 0.4f) * rowHeight() + ImGui::GetStyle().ItemSpacing.y;
 }
 
+// "24.6 ms   31 FPS   budget 33 ms", and what the picture is.
+static void drawFrameTime(const ViewState& state, const ViewReport& report)
+{
+    const FrameRate rate = frameRate(report.history);
+    ImGui::TextUnformatted("Frame");
+    ImGui::SameLine(4.6f * ImGui::GetFontSize());
+    if (rate.ms > 0.0f)
+        ImGui::Text("%.1f ms", rate.ms);
+    if (rate.perSecond > 0.0f) {
+        ImGui::SameLine();
+        ImGui::Text("  %.0f FPS", rate.perSecond);
+    }
+    if (state.settings.budgetMs > 0.0) {
+        ImGui::SameLine();
+        ImGui::TextDisabled("  budget %.0f ms", state.settings.budgetMs);
+    }
+    const char* const words = state.paused ? "paused" : report.finished ? "finished" : "refining";
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(words).x);
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(report.finished && !state.paused ? kFaint : kAccent),
+                       "%s", words);
+}
+
 void drawFrameTimes(const ViewState& state, const ViewReport& report)
 {
     ImGui::Separator();
     const FrameSample newest = report.history.empty() ? FrameSample{} : report.history.back();
-    ImGui::TextUnformatted("Frame");
-    ImGui::SameLine(8.2f * ImGui::GetFontSize());
-    if (newest.ms > 0.0f)
-        ImGui::Text("%.1f ms   %.0f FPS", newest.ms, 1000.0f / newest.ms);
-    if (state.paused) {
-        ImGui::SameLine();
-        ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(kAccent), "paused");
-    }
+    drawFrameTime(state, report);
     drawGraph(report, state.settings.budgetMs);
     drawPasses(newest);
 }

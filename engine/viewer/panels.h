@@ -16,6 +16,10 @@ void drawMaterialTab(const ViewReport& report);
 void drawFrameTimes(const ViewState& state, const ViewReport& report);
 float frameTimesHeight();
 void drawOverlay(const ViewState& state, const ViewReport& report, const Layout& layout);
+// A few keys, until they are dismissed, which is remembered from one run to the next.
+void drawHint(const Layout& layout);
+bool hintWanted();
+void rememberHint();
 void drawHelp(ViewState& state, const Layout& layout);
 
 } // namespace lumel::ui

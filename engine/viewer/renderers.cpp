@@ -1,9 +1,16 @@
 #include "renderers.h"
 #include "core/compare.h"
+#include "core/error.h"
 #include "renderer/setting_table.h"
 
 namespace lumel {
 namespace {
+
+// After the last change of a view, until it is rendered without a budget: longer than the pauses of a hand
+// that drags.
+constexpr auto kStill = std::chrono::milliseconds(200);
+
+} // namespace
 
 bool sameCamera(const scene::Camera& a, const scene::Camera& b)
 {
@@ -11,7 +18,13 @@ bool sameCamera(const scene::Camera& a, const scene::Camera& b)
            a.nearMetres == b.nearMetres;
 }
 
-} // namespace
+bool sameView(const ui::ViewState& a, const ui::ViewState& b)
+{
+    return sameCamera(a.camera.camera(), b.camera.camera()) && changes(a.settings, b.settings) == 0 &&
+           a.settings.size == b.settings.size && a.sides == b.sides && a.split == b.split &&
+           a.seconds == b.seconds && a.lightsEdited == b.lightsEdited && a.continuous == b.continuous &&
+           (!a.lightsEdited || a.lights == b.lights);
+}
 
 ViewRenderers::Slot* ViewRenderers::rendererOf(size_t side)
 {
@@ -25,8 +38,15 @@ const ViewRenderers::Slot* ViewRenderers::rendererOf(size_t side) const
 
 std::shared_ptr<const std::vector<scene::BakedMaterial>> ViewRenderers::materials(baker::Method method) const
 {
+    const std::lock_guard lock(materialsMutex_);
     const auto found = materials_.find(method);
     return found == materials_.end() ? nullptr : found->second.baked;
+}
+
+void ViewRenderers::addMaterials(scene::LoadedScene loaded)
+{
+    const std::lock_guard lock(materialsMutex_);
+    materials_[loaded.options.method] = {.baked = loaded.materials, .uploaded = {}};
 }
 
 SceneResources ViewRenderers::resourcesOf(baker::Method method)
@@ -45,6 +65,9 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     const SceneResources resources = uploadScene(device_, *loaded.scene, *loaded.materials);
     Slot first{.renderer = std::make_unique<Renderer>(device_, *loaded.scene, resources, settings),
                .method = loaded.options.method,
+               .exact = {},
+               .exactSeconds = {},
+               .changed = {},
                .metered = {},
                .camera = {},
                .seconds = {},
@@ -56,7 +79,10 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     if (scene_->animation.seconds > 0.0)
         playback_.emplace(*scene_, scene::Camera{}, PathOptions{});
     geometry_ = resources.geometry;
-    materials_ = {{loaded.options.method, {.baked = loaded.materials, .uploaded = resources.materials}}};
+    {
+        const std::lock_guard lock(materialsMutex_);
+        materials_ = {{loaded.options.method, {.baked = loaded.materials, .uploaded = resources.materials}}};
+    }
     environment_ = resources.environment;
     lights_.reset();
 }
@@ -65,7 +91,8 @@ void ViewRenderers::restart()
 {
     for (Slot& slot : slots_) {
         slot.renderer.reset();
-        slot.rendered = false;
+        slot.exact.reset();
+        slot.rendered = slot.isExact = false;
     }
 }
 
@@ -106,47 +133,106 @@ void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Metho
 }
 
 // False when the picture is up to date.
-bool ViewRenderers::renderSlot(Slot& slot, const ui::ViewState& state)
+bool ViewRenderers::renderSlot(Slot& slot, const ui::ViewState& state, ProgressMonitor& stop)
 {
+    slot.refined = false;
     Renderer& renderer = *slot.renderer;
     const bool reference = renderer.settings().shading == Shading::reference;
-    const bool enough = reference ? renderer.samples() >= state.settings.samples : renderer.settled();
-    if (slot.rendered && enough && !state.continuous)
+    const bool done = reference ? renderer.samples() >= state.settings.samples : isDone(slot);
+    const bool again = state.continuous && !reference;
+    if (slot.rendered && done && !again)
         return false;
-    if (reference && slot.rendered && enough)
-        return false;
+    const auto now = std::chrono::steady_clock::now();
+    if (!slot.rendered)
+        slot.changed = now;
+    if (slot.rendered && !reference && renderer.settings().budgetMs > 0.0 && !again) {
+        if (now - slot.changed >= kStill)
+            return slot.refined = renderExact(slot, state, &stop);
+        if (renderer.settled())
+            return false;
+    }
+    forgetExact(slot);
     slot.stats = reference ? renderer.accumulate(slot.camera) : renderer.render(slot.camera);
     slot.rendered = true;
     return true;
 }
 
+bool ViewRenderers::isDone(const Slot& slot) const
+{
+    if (!slot.renderer || !slot.rendered)
+        return false;
+    return slot.renderer->settings().budgetMs > 0.0 ? slot.isExact : slot.renderer->settled();
+}
+
+bool ViewRenderers::renderExact(Slot& slot, const ui::ViewState& state, ProgressMonitor* stop)
+{
+    Settings settings = slot.renderer->settings();
+    settings.budgetMs = 0.0;
+    if (!slot.exact) {
+        slot.exact = std::make_unique<Renderer>(device_, *scene_, resourcesOf(slot.method), settings);
+        slot.exact->submitPassesAlone();
+        if (lights_)
+            slot.exact->setLights(*lights_);
+    }
+    if (playback_ && state.seconds && slot.exactSeconds != state.seconds) {
+        playback_->pose(*slot.exact, *state.seconds);
+        if (lights_)
+            slot.exact->setLights(*lights_);
+        slot.exactSeconds = state.seconds;
+    }
+    slot.exact->setSettings(settings);
+    slot.exact->restart();
+    monitorThisThread(stop);
+    try {
+        slot.stats = slot.exact->render(slot.camera);
+        slot.isExact = true;
+    } catch (const Interrupted&) {
+        slot.exact->restart();
+        if (interrupted())
+            throw;
+    }
+    monitorThisThread(nullptr);
+    return slot.isExact;
+}
+
+// While the view moves, its memory is free.
+void ViewRenderers::forgetExact(Slot& slot)
+{
+    if (std::exchange(slot.isExact, false))
+        slot.exact->restart();
+}
+
+template<class Change>
+void ViewRenderers::changeAll(const Change& change)
+{
+    for (Slot& slot : slots_) {
+        if (slot.exact)
+            change(*slot.exact);
+        if (!slot.renderer)
+            continue;
+        change(*slot.renderer);
+        slot.rendered = false;
+        slot.metered.reset();
+    }
+}
+
 void ViewRenderers::setLights(const std::vector<scene::Light>& lights)
 {
     lights_ = lights;
-    for (Slot& slot : slots_)
-        if (slot.renderer) {
-            slot.renderer->setLights(lights);
-            slot.rendered = false;
-            slot.metered.reset();
-        }
+    changeAll([&](Renderer& renderer) { renderer.setLights(lights); });
 }
 
 void ViewRenderers::setEnvironment(std::shared_ptr<const scene::Environment> environment)
 {
     environment_ = std::make_shared<const EnvironmentMap>(device_, environment.get());
-    for (Slot& slot : slots_)
-        if (slot.renderer) {
-            slot.renderer->setEnvironment(environment_);
-            slot.rendered = false;
-            slot.metered.reset();
-        }
+    changeAll([&](Renderer& renderer) { renderer.setEnvironment(environment_); });
 }
 
 std::vector<tsl::ObjectResidency> ViewRenderers::residency(size_t side) const
 {
     const Slot* slot = rendererOf(side);
     const bool lit = slot->renderer && slot->renderer->settings().shading == Shading::tsl;
-    return lit ? slot->renderer->residency().objects() : std::vector<tsl::ObjectResidency>();
+    return lit ? shown(*slot).residency().objects() : std::vector<tsl::ObjectResidency>();
 }
 
 std::vector<glm::uvec2> ViewRenderers::lumelGrids() const
@@ -207,7 +293,8 @@ std::optional<LuminanceHistogram> ViewRenderers::meter(const ui::ViewState& stat
     return slot.metered;
 }
 
-bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::ViewReport& report)
+bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, SceneReport& report,
+                           ProgressMonitor& stop)
 {
     if (!scene_)
         return false;
@@ -220,14 +307,14 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::View
         needsReference = needsReference || isReference_[i];
         if (isReference_[i])
             continue;
-        rendered = renderSlot(slot, state) || rendered;
-        settled = settled && slot.renderer->settled();
+        rendered = renderSlot(slot, state, stop) || rendered;
+        settled = settled && isDone(slot);
         report.sides[i].stats = slot.stats;
     }
     // Both sides are compared with the reference once they are done.
     if (needsReference || (state.split && settled)) {
         Slot& slot = prepareReference(state, size);
-        rendered = renderSlot(slot, state) || rendered;
+        rendered = renderSlot(slot, state, stop) || rendered;
         settled = settled && slot.renderer->samples() >= state.settings.samples;
         for (size_t i = 0; i < sides; ++i)
             if (isReference_[i]) {
@@ -237,6 +324,8 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::View
     }
     finished_ = settled && !state.continuous;
     forgetUnused(state);
+    for (size_t i = 0; i < sides; ++i)
+        report.methods[i] = method(i);
     if (rendered)
         measure(state, report);
     return rendered;
@@ -245,21 +334,23 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, ui::View
 // The cache on disk has them too, and MIP chains take a hundred MiB per material.
 void ViewRenderers::forgetUnused(const ui::ViewState& state)
 {
+    if (!state.split)
+        slots_[1] = {};
+    if (!state.split && !isReference_[0])
+        slots_[kReference] = {};
     const auto used = [&](baker::Method method) {
         for (size_t side = 0; side < (state.split ? 2u : 1u); ++side)
             if (state.sides[side].filter == method || slots_[side].method == method)
                 return true;
         return false;
     };
-    if (!missing(state))
-        std::erase_if(materials_, [&](const auto& entry) { return !used(entry.first); });
-    if (!state.split)
-        slots_[1] = {};
-    if (!state.split && !isReference_[0])
-        slots_[kReference] = {};
+    if (missing(state))
+        return;
+    const std::lock_guard lock(materialsMutex_);
+    std::erase_if(materials_, [&](const auto& entry) { return !used(entry.first); });
 }
 
-void ViewRenderers::measure(const ui::ViewState& state, ui::ViewReport& report)
+void ViewRenderers::measure(const ui::ViewState& state, SceneReport& report)
 {
     const Slot& reference = slots_[kReference];
     const int samples =
@@ -277,31 +368,28 @@ void ViewRenderers::measure(const ui::ViewState& state, ui::ViewReport& report)
     const Image groundTruth = reference.renderer->readDisplay();
     for (size_t i = 0; i < 2; ++i)
         if (!isReference_[i] && slots_[i].renderer)
-            report.sides[i].psnr = compareQuickly(slots_[i].renderer->readDisplay(), groundTruth).psnr;
+            report.sides[i].psnr = compareQuickly(shown(slots_[i]).readDisplay(), groundTruth).psnr;
     report.referenceSamples = measuredSamples_ = samples;
 }
 
 const gpu::Image* ViewRenderers::picture(size_t side) const
 {
     const Slot* slot = rendererOf(side);
-    return slot->rendered ? &slot->renderer->display() : nullptr;
+    return slot->rendered ? &shown(*slot).display() : nullptr;
 }
 
 Image ViewRenderers::screenshot(const ui::ViewState& state, size_t side, bool radiance)
 {
+    prepareSide(state, state.settings.size, side);
     Slot& slot = *rendererOf(side);
     if (!isReference_[side]) {
-        // Lumels kept from other views are within the tolerance, not the same.
-        // A budget's quality depends on the machine's load: pictures are taken without.
-        Settings settings = slot.renderer->settings();
-        settings.budgetMs = 0.0;
-        slot.renderer->setSettings(settings);
-        slot.rendered = false;
-        slot.renderer->restart();
-        slot.stats = slot.renderer->render(state.camera.camera());
+        // Lumels kept from other views are within the tolerance, not the same, and a budget's quality depends
+        // on the machine's load.
+        if (!slot.isExact || !slot.rendered)
+            renderExact(slot, state, nullptr);
     }
     slot.rendered = true;
-    return radiance ? slot.renderer->readRadiance() : slot.renderer->readDisplay();
+    return radiance ? shown(slot).readRadiance() : shown(slot).readDisplay();
 }
 
 } // namespace lumel

@@ -1,11 +1,25 @@
 // The viewer's renderers: one for each side of the split, one for the reference that both are measured by.
-// They share the scene's resources; sides of other filters have other materials.
+// They share the scene's resources; sides of other filters have other materials. Used by one thread at a
+// time.
 #pragma once
 #include "app/playback.h"
 #include "loader.h"
 #include "view_state.h"
+#include <chrono>
+#include <mutex>
 
 namespace lumel {
+
+bool sameCamera(const scene::Camera& a, const scene::Camera& b);
+// Whether both ask for the same pictures.
+bool sameView(const ui::ViewState& a, const ui::ViewState& b);
+
+// What the renderers report of a view.
+struct SceneReport {
+    std::array<ui::SideReport, 2> sides;
+    std::array<baker::Method, 2> methods{}; // of the materials that are shown
+    int referenceSamples = 0;
+};
 
 class ViewRenderers {
 public:
@@ -15,21 +29,24 @@ public:
     // old ones when the new ones do not fit into memory.
     void setScene(scene::LoadedScene loaded, const ui::ViewState& state);
     // The materials of another method, for the same scene.
-    void addMaterials(scene::LoadedScene loaded)
-    {
-        materials_[loaded.options.method] = {.baked = loaded.materials, .uploaded = {}};
-    }
+    void addMaterials(scene::LoadedScene loaded);
     std::shared_ptr<const scene::Scene> scene() const { return scene_; }
+    // These two from any thread.
     std::shared_ptr<const std::vector<scene::BakedMaterial>> materials(baker::Method method) const;
     // A method that a side asks for and whose materials are not baked yet.
     std::optional<baker::Method> missing(const ui::ViewState& state) const;
 
-    // Renders what the state asks for, unless it is up to date. True if anything was rendered.
-    bool render(const ui::ViewState& state, glm::uvec2 size, ui::ViewReport& report);
+    // Renders what the state asks for, unless it is up to date. True if anything was rendered. Within a frame
+    // budget, a view that has been still for a moment is rendered once more as `lumel shot` does; `stop`
+    // ends that early.
+    bool render(const ui::ViewState& state, glm::uvec2 size, SceneReport& report, ProgressMonitor& stop);
     // The luminances of what the left side is to show; nothing without a scene.
     std::optional<LuminanceHistogram> meter(const ui::ViewState& state, glm::uvec2 size);
     // Further frames would not change the picture.
     bool finished() const { return finished_; }
+
+    // The last render() replaced this side's picture by the one without a budget.
+    bool refined(size_t side) const { return rendererOf(side)->refined; }
 
     // In place of the scene's.
     void setLights(const std::vector<scene::Light>& lights);
@@ -56,7 +73,14 @@ private:
     struct Slot {
         std::unique_ptr<Renderer> renderer;
         baker::Method method = baker::Method::fit;
-        bool rendered = false;                     // up to date
+        // Renders still views without a budget, from nothing, so that a picture is the one of `lumel shot`,
+        // while `renderer` keeps the lumels that the next motion needs.
+        std::unique_ptr<Renderer> exact;
+        std::optional<double> exactSeconds;
+        bool isExact = false;  // that of `exact` is shown
+        bool refined = false;  // by the last frame
+        bool rendered = false; // up to date
+        std::chrono::steady_clock::time_point changed;
         std::optional<LuminanceHistogram> metered; // of that view
         scene::Camera camera;
         std::optional<double> seconds; // of the animation; nothing: as the file's nodes stand
@@ -75,15 +99,23 @@ private:
     // The slot of a side as the state asks for.
     Slot& prepareSide(const ui::ViewState& state, glm::uvec2 size, size_t side);
     Slot& prepareReference(const ui::ViewState& state, glm::uvec2 size);
-    bool renderSlot(Slot& slot, const ui::ViewState& state);
+    bool renderSlot(Slot& slot, const ui::ViewState& state, ProgressMonitor& stop);
+    // False when it was stopped.
+    bool renderExact(Slot& slot, const ui::ViewState& state, ProgressMonitor* stop);
+    static void forgetExact(Slot& slot);
+    static const Renderer& shown(const Slot& slot) { return slot.isExact ? *slot.exact : *slot.renderer; }
+    bool isDone(const Slot& slot) const; // of a side that is no reference
+    template<class Change>
+    void changeAll(const Change& change); // lights, environment
     void forgetUnused(const ui::ViewState& state);
-    void measure(const ui::ViewState& state, ui::ViewReport& report);
+    void measure(const ui::ViewState& state, SceneReport& report);
 
     const gpu::Device& device_;
     std::shared_ptr<const scene::Scene> scene_;
     std::optional<Playback> playback_; // of a scene that is animated
     std::shared_ptr<const GeometryResources> geometry_;
     std::map<baker::Method, Bake> materials_;
+    mutable std::mutex materialsMutex_;                 // of changes to the map
     std::shared_ptr<const EnvironmentMap> environment_; // the scene's, until another is set
     std::array<Slot, 3> slots_;
     std::array<bool, 2> isReference_{}; // what the sides show

@@ -38,6 +38,7 @@ struct ViewState {
     bool split = false;
     float splitAt = 0.5f; // share of the picture's width
     bool panels = true, help = false;
+    bool hint = false; // a few keys, for who is here for the first time
     bool paused = false, step = false;
     bool playing = false;          // the scene's animation, again and again
     std::optional<double> seconds; // of the animation; nothing: as the file's nodes stand
@@ -65,6 +66,7 @@ struct SideReport {
 };
 
 struct FrameSample {
+    double at = 0.0; // when it was finished, in seconds of glfwGetTime()
     float ms = 0.0f;
     std::map<std::string, double> passMs;
 };
@@ -83,8 +85,10 @@ struct ViewReport {
     std::string message; // shown until `messageUntil`, in seconds of glfwGetTime()
     bool messageIsError = false;
     double messageUntil = 0.0;
-    float ambient = 0.0f;     // radiance of the uniform sky
-    int referenceSamples = 0; // behind psnr
+    float ambient = 0.0f;                   // radiance of the uniform sky
+    int referenceSamples = 0;               // behind psnr
+    std::array<baker::Method, 2> methods{}; // of the materials that the sides show
+    bool finished = false;                  // further frames would not change the pictures
     Inspection inspection;
 };
 

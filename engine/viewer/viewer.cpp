@@ -12,6 +12,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
+#include <limits>
 #include <spdlog/spdlog.h>
 
 namespace lumel {
@@ -20,7 +21,11 @@ namespace {
 constexpr size_t kHistory = 240; // frames in the graph
 constexpr double kMessageSeconds = 6.0;
 constexpr double kAnimationStep = 1.0 / 30.0; // seconds
-constexpr double kLoadingStep = 0.1;          // seconds between redraws, which cost the loader time
+// Seconds between redraws: after input, which the panels follow over a few frames; while the view or an
+// animation moves, and while something is loaded, which needs the time more.
+constexpr double kRedraw = 1.0 / 60.0, kSteeringRedraw = 1.0 / 30.0, kLoadingRedraw = 0.1;
+constexpr double kLongestWait = 0.25; // seconds, until Ctrl-C is looked for again
+constexpr int kRedrawsOfInput = 3;
 
 } // namespace
 
@@ -65,10 +70,17 @@ Viewer::Viewer(const ViewArguments& arguments)
     state_.split = arguments.split;
     state_.panels = arguments.panels;
     state_.presentMode = arguments.presentMode;
+    state_.hint = ui::hintWanted();
     beginLoading(arguments.scene); // the driver takes its time, too
     device_ = std::make_unique<gpu::Device>(deviceOptions(arguments));
-    window_ = std::make_unique<gpu::Window>(*device_, frontend_.window, arguments.presentMode);
-    renderers_ = std::make_unique<ViewRenderers>(*device_);
+    if (device_->properties().deviceType == vk::PhysicalDeviceType::eCpu) {
+        gpu::DeviceOptions options = deviceOptions(arguments);
+        options.keepPipelines = false;
+        ownDevice_ = std::make_unique<gpu::Device>(options);
+    }
+    const gpu::Device& shows = ownDevice_ ? *ownDevice_ : *device_;
+    window_ = std::make_unique<gpu::Window>(shows, frontend_.window, arguments.presentMode);
+    thread_ = std::make_unique<SceneThread>(*device_, shows, glfwPostEmptyEvent);
     report_.device = device_->properties().deviceName.data();
 }
 
@@ -77,31 +89,62 @@ Viewer::~Viewer()
     loader_.cancel();
 }
 
+std::vector<std::string> Viewer::validationMessages() const
+{
+    std::vector<std::string> messages = device_->validationMessages();
+    if (ownDevice_)
+        for (const std::string& message : ownDevice_->validationMessages())
+            messages.push_back(message);
+    return messages;
+}
+
 void Viewer::run()
 {
     while (!glfwWindowShouldClose(frontend_.window) && !state_.requests.quit) {
-        if (interrupted())
-            throw Interrupted();
-        if (loader_.busy() && !frontend_.input->any())
-            glfwWaitEventsTimeout(kLoadingStep);
-        else if (idle())
-            glfwWaitEventsTimeout(0.25);
-        else
-            glfwPollEvents();
+        await();
         frame();
     }
 }
 
-// Nothing will change unless something happens.
-bool Viewer::idle() const
+bool Viewer::minimised() const
 {
-    const bool minimised = glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) != 0;
-    if (minimised)
-        return true;
-    if (inspector_.busy() || frontend_.input->any())
-        return false;
-    return !renderers_->scene() || ((!state_.autoExposure || adaptation_.arrived()) &&
-                                    ((renderers_->finished() && !state_.playing) || state_.paused));
+    return glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) != 0;
+}
+
+// Seconds after the last redraw; infinite unless something moves by itself.
+double Viewer::untilRedraw() const
+{
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    if (minimised())
+        return kNever;
+    if (redraws_ > 0)
+        return kRedraw;
+    if (frontend_.input->steers() || (state_.playing && !state_.paused) ||
+        (state_.autoExposure && exposureKnown_ && !state_.paused && !adaptation_.arrived()))
+        return kSteeringRedraw;
+    // Progress, a result, a blinking cursor.
+    if (loader_.busy() || uploading_ || inspector_.busy() || ImGui::GetIO().WantTextInput)
+        return kLoadingRedraw;
+    const double message = report_.messageUntil - lastFrame_;
+    return message > 0.0 ? message : kNever;
+}
+
+// Until the window is to be drawn again: after input, with a finished frame of the scene, or for what moves
+// by itself.
+void Viewer::await()
+{
+    const double due = lastFrame_ + untilRedraw();
+    // Redrawing more often would take the scene's time.
+    const double soonest = lastFrame_ + (frontend_.input->steers() ? kSteeringRedraw : kRedraw);
+    glfwPollEvents();
+    while (!thread_->hasResult()) {
+        if (interrupted())
+            throw Interrupted();
+        const double now = glfwGetTime(), until = frontend_.input->any() ? soonest : due;
+        if (now >= until || glfwWindowShouldClose(frontend_.window))
+            return;
+        glfwWaitEventsTimeout(std::min(until - now, kLongestWait));
+    }
 }
 
 void Viewer::frame()
@@ -109,29 +152,35 @@ void Viewer::frame()
     const double now = glfwGetTime();
     const float seconds = float(now - lastFrame_);
     lastFrame_ = now;
+    redraws_ = frontend_.input->any() ? kRedrawsOfInput : std::max(redraws_ - 1, 0);
+    collect();
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
     const auto layoutNow = [this] {
         return ui::layoutOf(state_, ImGui::GetIO().DisplaySize, frontend_.scale);
     };
+    const bool hinted = state_.hint;
     frontend_.input->apply(state_, layoutNow(), seconds);
     const ui::Layout layout = layoutNow();
     ui::drawPanels(state_, report_, layout);
     ImGui::Render();
+    if (hinted && !state_.hint)
+        ui::rememberHint();
     window_->setPresentMode(state_.presentMode);
     finishLoading();
     act(layout);
     changeEnvironment();
     loadMissing();
-    if (glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) == 0) {
+    if (!minimised()) {
         state_.settings.size = pictureSize(layout);
         play(seconds);
         expose(seconds);
-        render();
+    }
+    request();
+    if (!minimised()) {
         inspect(layout);
         show(layout);
-        noteFirstPicture();
     }
     setTitle();
 }
@@ -146,8 +195,7 @@ glm::uvec2 Viewer::pictureSize(const ui::Layout& layout) const
 // The animation keeps to the clock in whole steps, and goes on where it was after a wait.
 void Viewer::play(double seconds)
 {
-    const auto scene = renderers_->scene();
-    if (!state_.playing || !scene || scene->animation.seconds <= 0.0)
+    if (!state_.playing || !scene_ || scene_->animation.seconds <= 0.0)
         return;
     if (state_.paused)
         seconds = state_.step ? kAnimationStep : 0.0;
@@ -158,11 +206,14 @@ void Viewer::play(double seconds)
 // Exposure adapts to the view. A scene with lights of its own is metered once, to find out whether it must.
 void Viewer::expose(double seconds)
 {
-    if (!renderers_->scene() || !(state_.autoExposure || exposureAsked_) || state_.paused) {
+    const std::optional<LuminanceHistogram> histogram = std::exchange(metered_, std::nullopt);
+    if (!scene_ || !(state_.autoExposure || exposureAsked_) || state_.paused) {
         adaptation_.reset();
+        exposureKnown_ = false;
         return;
     }
-    if (const auto histogram = renderers_->meter(state_, state_.settings.size)) {
+    if (histogram) {
+        exposureKnown_ = true;
         if (std::exchange(exposureAsked_, false)) {
             state_.autoExposure = needsExposure(*histogram);
             if (!state_.autoExposure)
@@ -171,26 +222,46 @@ void Viewer::expose(double seconds)
         }
         adaptation_.aim(automaticExposure(*histogram));
     }
-    state_.settings.exposure = adaptation_.advance(seconds);
+    if (exposureKnown_)
+        state_.settings.exposure = adaptation_.advance(seconds);
 }
 
-void Viewer::render()
+// Says what is to be rendered from now on.
+void Viewer::request()
 {
-    if (state_.paused && !state_.step)
+    if (!scene_ || uploading_)
+        return;
+    const bool meters = (state_.autoExposure || exposureAsked_) && !state_.paused;
+    thread_->post({.state = state_,
+                   .meter = meters,
+                   .pictures = !meters || exposureKnown_,
+                   .suspended = minimised() || (state_.paused && !state_.step)});
+}
+
+// What the scene's thread has done since.
+void Viewer::collect()
+{
+    const std::optional<SceneResult> result = thread_->take();
+    if (!result || !scene_)
+        return;
+    if (result->metered)
+        metered_ = result->metered;
+    report_.finished = result->finished;
+    if (result->frames.empty())
         return;
     state_.step = false;
-    const double start = glfwGetTime();
-    if (!renderers_->render(state_, state_.settings.size, report_))
-        return;
-    ui::FrameSample sample{.ms = float(1000.0 * (glfwGetTime() - start)), .passMs = {}};
-    for (size_t side = 0; side < (state_.split ? 2u : 1u); ++side)
-        for (const auto& [pass, ms] : report_.sides[side].stats.passMs)
-            sample.passMs[pass] += ms;
-    report_.history.push_back(std::move(sample));
-    if (report_.history.size() > kHistory)
+    report_.sides = result->report.sides;
+    report_.methods = result->report.methods;
+    report_.referenceSamples = result->report.referenceSamples;
+    report_.residency = result->residency;
+    report_.ambient = result->ambient;
+    report_.history.insert(report_.history.end(), result->frames.begin(), result->frames.end());
+    while (report_.history.size() > kHistory)
         report_.history.pop_front();
-    report_.residency = renderers_->residency(0);
-    report_.ambient = renderers_->ambient();
+    if (asked_ && !loader_.busy()) {
+        spdlog::info("{}: shown after {:.1f} s", arguments_.scene.string(), glfwGetTime() - *asked_);
+        asked_.reset();
+    }
 }
 
 void Viewer::show(const ui::Layout& layout)
@@ -198,7 +269,7 @@ void Viewer::show(const ui::Layout& layout)
     std::vector<gpu::Placement> placements;
     const glm::uvec2 window = pictureSize(layout);
     const auto place = [&](size_t side, float from, float to) {
-        const gpu::Image* picture = renderers_->picture(side);
+        const gpu::Image* picture = thread_->pictures(side).latest();
         if (!picture)
             return;
         const auto part = [from, to](vk::Extent2D size) {
@@ -212,26 +283,20 @@ void Viewer::show(const ui::Layout& layout)
     place(0, 0.0f, state_.split ? state_.splitAt : 1.0f);
     if (state_.split)
         place(1, state_.splitAt, 1.0f);
+    else
+        thread_->pictures(1).forget();
     window_->show(placements, ui::kBackground, ImGui::GetDrawData());
-}
-
-void Viewer::noteFirstPicture()
-{
-    if (!asked_ || loader_.busy() || !renderers_->picture(0))
-        return;
-    spdlog::info("{}: shown after {:.1f} s", arguments_.scene.string(), glfwGetTime() - *asked_);
-    asked_.reset();
 }
 
 // The texel under the cursor, of the level that the picture reads there.
 void Viewer::inspect(const ui::Layout& layout)
 {
     inspector_.take(report_.inspection);
-    const auto scene = renderers_->scene();
+    const auto scene = scene_;
     if (!state_.panels || !state_.materialTab || !scene || state_.cursor.x < 0.0f)
         return;
     const auto baked =
-        renderers_->materials(renderers_->method(state_.split && state_.cursor.x > state_.splitAt));
+        thread_->materials(report_.methods[state_.split && state_.cursor.x > state_.splitAt ? 1 : 0]);
     const scene::Camera& camera = state_.camera.camera();
     const float aspect = layout.picture.x / layout.picture.y;
     const auto hit = scene::pick(*scene, scene::rayThrough(camera, state_.cursor, aspect));
@@ -261,7 +326,7 @@ void Viewer::say(const std::string& message, bool isError)
 
 void Viewer::setTitle()
 {
-    std::string title = renderers_->scene() ? arguments_.scene.filename().string() + " - Lumel" : "Lumel";
+    std::string title = scene_ ? arguments_.scene.filename().string() + " - Lumel" : "Lumel";
     if (loader_.busy())
         title += " (loading)";
     if (title != title_)

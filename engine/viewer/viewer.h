@@ -2,7 +2,7 @@
 #pragma once
 #include "app/commands.h"
 #include "input.h"
-#include "renderers.h"
+#include "scene_thread.h"
 
 struct GLFWwindow;
 
@@ -18,7 +18,7 @@ public:
 
     // Until the window is closed. Throws Error when the first scene cannot be shown.
     void run();
-    std::vector<std::string> validationMessages() const { return device_->validationMessages(); }
+    std::vector<std::string> validationMessages() const;
 
 private:
     // GLFW's window and ImGui's context, on which all else stands.
@@ -30,13 +30,22 @@ private:
         std::unique_ptr<ui::Input> input;
     };
 
+    // What the loader is at work on.
+    struct Load {
+        // Another scene; a material of the one that is shown, replaced; its materials by another filter.
+        enum class Kind { scene, material, filter } kind = Kind::scene;
+        std::filesystem::path file; // the scene, or the material's baked one
+        std::string material;       // its name
+    };
+    void await();
+    double untilRedraw() const;
     void frame();
-    bool idle() const;
+    void collect();
     void play(double seconds);
     void expose(double seconds);
-    void render();
+    void request();
+    bool minimised() const;
     void show(const ui::Layout& layout);
-    void noteFirstPicture();
     void inspect(const ui::Layout& layout);
     glm::uvec2 pictureSize(const ui::Layout& layout) const;
 
@@ -45,6 +54,7 @@ private:
     void actOnCamera(const ui::Requests& asked, const ui::Layout& layout);
     void open(const std::filesystem::path& file, glm::vec2 at, const ui::Layout& layout);
     void replaceMaterial(const std::filesystem::path& file, glm::vec2 at, const ui::Layout& layout);
+    void ask(std::function<SceneThread::Answer(ViewRenderers&)> work);
     void copyCommand();
     void takeScreenshot(const char* extension);
     void reloadShaders();
@@ -53,9 +63,11 @@ private:
     // Loading.
     void beginLoading(const std::filesystem::path& file);
     void finishLoading();
-    void take(const scene::LoadedScene& loaded);
-    void beginView(bool first);
-    void keepView();
+    void take(const std::shared_ptr<scene::LoadedScene>& loaded);
+    void taken(const Load& load, bool first);
+    void loadFailed(const Load& load, const std::string& why);
+    void beginView(const Load& load, bool first);
+    void keepView(const Load& load);
     void forgetSceneOptions();
     void resetView();
     void changeEnvironment();                        // to what the panels ask for
@@ -63,26 +75,23 @@ private:
     scene::MaterialOptions bakeOptions(baker::Method method) const;
     void loadMissing();
 
-    SceneArguments argumentsOf(size_t side) const; // of the command that renders what is shown
     void say(const std::string& message, bool isError = false);
     void setTitle();
 
     ViewArguments arguments_; // `scene` is the one shown
     Frontend frontend_;
     std::unique_ptr<gpu::Device> device_;
+    // Of the window and its panels: where the CPU is the device, one of its own, whose queue holds no frame
+    // of the scene.
+    std::unique_ptr<gpu::Device> ownDevice_;
     std::unique_ptr<gpu::Window> window_;
-    std::unique_ptr<ViewRenderers> renderers_;
+    std::unique_ptr<SceneThread> thread_;
+    std::shared_ptr<const scene::Scene> scene_; // that the renderers have
     scene::Loader loader_;
+    bool uploading_ = false; // what it loaded
     ui::Inspector inspector_;
     ui::ViewState state_;
     ui::ViewReport report_;
-    // What the loader is at work on.
-    struct Load {
-        // Another scene; a material of the one that is shown, replaced; its materials by another filter.
-        enum class Kind { scene, material, filter } kind = Kind::scene;
-        std::filesystem::path file; // the scene, or the material's baked one
-        std::string material;       // its name
-    };
     Load load_;
     std::shared_ptr<const scene::Environment> environment_; // as shown
     std::string environmentName_;
@@ -90,8 +99,11 @@ private:
     int screenshots_ = 0;
     ExposureAdaptation adaptation_;
     bool exposureAsked_ = false; // is automatic exposure needed?
-    double lastFrame_ = 0.0;     // seconds
-    double played_ = 0.0;        // seconds of the animation
+    bool exposureKnown_ = false; // of this view; until then nothing is rendered
+    std::optional<LuminanceHistogram> metered_;
+    int redraws_ = 3;        // that panels take to follow input
+    double lastFrame_ = 0.0; // seconds
+    double played_ = 0.0;    // seconds of the animation
     std::string title_;
     std::array<int, 4> windowed_{}; // place and size before full screen
 };

@@ -217,6 +217,23 @@ bool Display::drop(Window window, const std::filesystem::path& file, int x, int 
     return waitFor(ClientMessage, event); // XdndFinished
 }
 
+std::vector<uint8_t> Display::pixels(Window window, int x, int y, int width, int height)
+{
+    XImage* image = XGetImage(display_, window, x, y, unsigned(width), unsigned(height), AllPlanes, ZPixmap);
+    std::vector<uint8_t> rgb;
+    if (!image)
+        return rgb;
+    rgb.reserve(size_t(width) * size_t(height) * 3);
+    for (int row = 0; row < height; ++row)
+        for (int column = 0; column < width; ++column) {
+            const unsigned long pixel = XGetPixel(image, column, row);
+            for (const int shift : {16, 8, 0})
+                rgb.push_back(uint8_t(pixel >> shift));
+        }
+    XDestroyImage(image);
+    return rgb;
+}
+
 std::string Display::clipboard()
 {
     const Atom property = XInternAtom(display_, "LUMEL_TEST", False);

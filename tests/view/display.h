@@ -2,6 +2,7 @@
 // events come from the server, as a real user's do.
 #pragma once
 #include <X11/Xlib.h>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <sys/types.h>
@@ -31,6 +32,8 @@ public:
     void show(Window window, bool shown);
     // By the protocol XDND, version 5, as a file manager does. False when the window did not take it.
     bool drop(Window window, const std::filesystem::path& file, int x, int y);
+    // What the window shows there: rows of RGB, 0 to 255. Empty when it cannot be read.
+    std::vector<uint8_t> pixels(Window window, int x, int y, int width, int height);
     // What is on the clipboard, empty when it is not text.
     std::string clipboard();
 

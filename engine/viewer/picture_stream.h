@@ -1,0 +1,48 @@
+// A side's pictures on their way from the thread that renders to the window: copies, of which the window
+// shows the last finished one while the next is rendered.
+#pragma once
+#include "gpu/resource.h"
+#include <array>
+#include <functional>
+#include <mutex>
+
+namespace lumel {
+
+class PictureStream {
+public:
+    // Where the devices differ, pictures go through host memory.
+    PictureStream(const gpu::Device& renders, const gpu::Device& shows) : renders_(renders), shows_(shows) {}
+
+    // On the thread that renders. `picture`: RGBA8, in use transferRead. Waits for the copy.
+    void write(const gpu::Image& picture);
+    // The same, for a picture of the same view in another quality: it takes the last one's place bit by bit,
+    // a step at each call of `next` until that says no. Where pictures do not go through host memory, a
+    // budget costs little quality, and the picture is replaced at once.
+    void fadeTo(const gpu::Image& picture, const std::function<bool()>& next);
+    bool fresh() const; // there is one that has not been shown
+    // On the window's thread: the last one written, in use transferRead until the next call; null: none.
+    const gpu::Image* latest();
+    void forget(); // on the window's thread
+
+private:
+    struct Slot {
+        gpu::Image image;  // of one device for both
+        gpu::Buffer bytes; // else
+        vk::Extent2D size;
+    };
+    bool throughHost() const { return &renders_ != &shows_; }
+    void copy(const gpu::Image& picture);
+    void publish();
+    void upload(const Slot& slot);
+
+    const gpu::Device& renders_;
+    const gpu::Device& shows_;
+    mutable std::mutex mutex_; // of the indices
+    std::array<Slot, 3> slots_;
+    size_t written_ = 0, ready_ = 1, shown_ = 2; // being written, the last one written, being shown
+    bool fresh_ = false, any_ = false;           // `ready_` has not been shown; `shown_` has a picture
+    gpu::Buffer staging_;
+    gpu::Image uploaded_;
+};
+
+} // namespace lumel
