@@ -8,8 +8,8 @@ namespace lumel {
 
 class FeedbackPass {
 public:
-    // Full-size pixels a sample, per axis. Sparse samples are enough where the camera alone moves: what they miss
-    // keeps its former light. What has changed loses it.
+    // Full-size pixels a sample, per axis. Sparse samples are enough where the camera alone moves: what they
+    // miss keeps its former light. What has changed loses it.
     static constexpr uint32_t kDense = 4, kSparse = 8;
     // Frames after which the offsets of dense samples have met every pixel.
     static constexpr uint32_t kCycle = kDense * kDense;
