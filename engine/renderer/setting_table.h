@@ -142,6 +142,20 @@ inline constexpr std::tuple kSettings{
         .unit = "ms",
         .widget =
             {.panel = Panel::lumels, .label = "Frame budget", .format = "%.0f ms", .least = 0, .most = 200}},
+    Setting<ResidencyFrom>{
+        .member = &Settings::residency,
+        .name = "residency",
+        .help =
+            "exact: lit textures suit the frame that is drawn, which waits until it is known what it sees; "
+            "latest: the latest frame that has finished, so that frames wait for none",
+        .shadings = kRealTime,
+        .values = kResidencyNames},
+    Setting<uint32_t>{.member = &Settings::framesInFlight,
+                      .name = "frames-in-flight",
+                      .help = "with --residency latest: frames that are begun before the first has finished",
+                      .shadings = kRealTime,
+                      .least = 1,
+                      .most = 3},
     Setting<float>{.member = &Settings::levelOffset,
                    .name = "level-offset",
                    .help = "MIP levels by which lumels are coarser than one per pixel, at least",

@@ -95,6 +95,20 @@ void Residency::take(TexturePool& pool, const ObjectFeedback& feedback, size_t o
     resident.litLevel = level;
 }
 
+// The object has come into view, and no sample of it is known yet: it goes on with the texture that it had.
+void Residency::enter(TexturePool& pool, const ObjectFeedback& feedback, size_t object, uint64_t frame)
+{
+    ObjectResidency& resident = objects_[object];
+    const TextureId texture = pool.latestOf(int(object));
+    if (!texture ||
+        pool.blocks()[size_t(texture.block)].size != textureSize(feedback, pool.texture(texture).litLevel))
+        return;
+    resident.texture = texture;
+    resident.litLevel = pool.texture(texture).litLevel;
+    resident.share = 1.0f;
+    pool.touch(texture, frame);
+}
+
 void Residency::assignObject(TexturePool& pool, const ObjectFeedback& feedback, size_t object, uint64_t frame)
 {
     ObjectResidency& resident = objects_[object];
@@ -106,6 +120,10 @@ void Residency::assignObject(TexturePool& pool, const ObjectFeedback& feedback, 
         return;
     }
     resident.finest = towards(resident.finest, 0.0f);
+    if (late_ && !known_[object]) {
+        enter(pool, feedback, object, frame);
+        known_[object] = 1;
+    }
     if (!feedback.visible) // no sample met it: it keeps what it has
         return;
     const float across = lumelsAcross(feedback);
@@ -126,8 +144,14 @@ void Residency::assignObject(TexturePool& pool, const ObjectFeedback& feedback, 
     steady_ = steady_ && resident.share == (resident.texture ? target : 0.0f) && resident.finest == 0.0f;
 }
 
-void Residency::assign(TexturePool& pool, std::span<const ObjectFeedback> feedback, uint64_t frame)
+bool Residency::anyFresh() const
 {
+    return std::ranges::any_of(objects_, &ObjectResidency::fresh);
+}
+
+void Residency::assign(TexturePool& pool, std::span<const ObjectFeedback> feedback, uint64_t frame, bool late)
+{
+    late_ = late;
     objects_.resize(feedback.size());
     known_.resize(feedback.size());
     levelBias_ = biasForCap(feedback, pool.capBytes());
