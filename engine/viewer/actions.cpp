@@ -103,6 +103,8 @@ static SceneArguments argumentsOf(size_t side, const ViewRenderers& renderers, c
     SceneArguments a = given;
     a.settings = renderers.settings(side);
     a.settings.budgetMs = 0.0; // its quality depends on the machine's load
+    a.settings.residency = ResidencyFrom::exact;
+    a.settings.framesInFlight = Settings().framesInFlight;
     if (a.settings.shading == Shading::reference)
         a.settings.samples = renderers.samples(side);
     a.filter = renderers.method(side);

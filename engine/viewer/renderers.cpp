@@ -168,6 +168,7 @@ bool ViewRenderers::renderExact(Slot& slot, const ui::ViewState& state, Progress
 {
     Settings settings = slot.renderer->settings();
     settings.budgetMs = 0.0;
+    settings.residency = ResidencyFrom::exact;
     if (!slot.exact) {
         slot.exact = std::make_unique<Renderer>(device_, *scene_, resourcesOf(slot.method), settings);
         slot.exact->submitPassesAlone();
