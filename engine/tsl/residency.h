@@ -59,7 +59,10 @@ private:
     void enter(TexturePool& pool, const ObjectFeedback& feedback, size_t object, uint64_t frame);
     void take(TexturePool& pool, const ObjectFeedback& feedback, size_t object, uint64_t frame);
     std::vector<ObjectResidency> objects_;
-    std::vector<uint8_t> known_; // seen before: changes fade
+    // kEntered: drawn, by what there was, before it was known how; kSeen: by what a sample saw of it. Changes
+    // fade in either case.
+    enum Known : uint8_t { kUnknown, kEntered, kSeen };
+    std::vector<Known> known_;
     float levelBias_ = 0.0f;
     bool steady_ = false;
     bool late_ = false;
