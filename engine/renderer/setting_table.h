@@ -145,14 +145,13 @@ inline constexpr std::tuple kSettings{
     Setting<ResidencyFrom>{
         .member = &Settings::residency,
         .name = "residency",
-        .help =
-            "exact: lit textures suit the frame that is drawn, which waits until it is known what it sees; "
-            "latest: the latest frame that has finished, so that frames wait for none",
+        .help = "whose needs lit textures are assigned by: exact, those of the frame that is drawn, which "
+                "waits until it knows them; latest, those of an earlier frame, so that none waits",
         .shadings = kRealTime,
         .values = kResidencyNames},
     Setting<uint32_t>{.member = &Settings::framesInFlight,
                       .name = "frames-in-flight",
-                      .help = "with --residency latest: frames that are begun before the first has finished",
+                      .help = "frames that are begun before the first has finished, with --residency latest",
                       .shadings = kRealTime,
                       .least = 1,
                       .most = 3},

@@ -67,6 +67,22 @@ TEST_F(Bench, EachCombinationIsARunOfTheDocumentedSchema)
     EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 14) << outcome.out;
 }
 
+TEST_F(Bench, SteadyFramesWaitForNoneButTheRings)
+{
+    const auto waits = [&](const std::string& residency, const char* what) {
+        bench({"--size", "32x24", "--frames", "100", "--residency", residency, "--json", "w.json"});
+        int sum = 0;
+        for (const json& frame : readJson("w.json").at("runs").at(0).at("frames"))
+            sum += frame.at(what).get<int>();
+        return sum;
+    };
+    EXPECT_EQ(waits("latest", "host_waits"), 0);
+    EXPECT_GT(waits("latest", "ring_waits"), 90);
+    EXPECT_LE(waits("latest", "ring_waits"), 100) << "one a frame";
+    EXPECT_EQ(waits("exact", "host_waits"), 200);
+    EXPECT_EQ(waits("exact", "ring_waits"), 0);
+}
+
 TEST_F(Bench, ForwardAnisoAloneIsAnisotropic)
 {
     bench({"--shading", "forward,forward-aniso,forward-aniso-average", "--size", "32x24", "--frames", "1",
