@@ -71,8 +71,9 @@ TEST_F(Bench, SteadyFramesWaitForNoneButTheRings)
 {
     const auto waits = [&](const std::string& residency, const char* what) {
         bench({"--size", "32x24", "--frames", "100", "--residency", residency, "--json", "w.json"});
+        const json document = readJson("w.json");
         int sum = 0;
-        for (const json& frame : readJson("w.json").at("runs").at(0).at("frames"))
+        for (const json& frame : document.at("runs").at(0).at("frames"))
             sum += frame.at(what).get<int>();
         return sum;
     };
@@ -129,7 +130,8 @@ TEST_F(Bench, ErrorAndFlickerAreMeasuredWhereAsked)
 {
     bench({"--size", "48x36", "--frames", "5", "--shading", "forward-8,forward", "--samples", "8",
            "--error-every", "2", "--json", "e.json"});
-    for (const json& run : readJson("e.json").at("runs")) {
+    const json document = readJson("e.json"); // which must outlive the loop
+    for (const json& run : document.at("runs")) {
         for (int i = 0; i < 5; ++i)
             EXPECT_EQ(run["frames"][size_t(i)]["error_rmse"].is_null(), i % 2 == 1) << i;
         EXPECT_TRUE(run["summary"]["flicker_rmse"].is_null());
