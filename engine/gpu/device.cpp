@@ -235,14 +235,15 @@ void Device::submit(vk::CommandBuffer commands, vk::Fence fence) const
     ++submissions_;
 }
 
-void Device::submit(vk::CommandBuffer commands, const vk::SemaphoreSubmitInfo& signal) const
+void Device::submit(vk::CommandBuffer commands, const vk::SemaphoreSubmitInfo& signal, vk::Fence fence) const
 {
     const vk::CommandBufferSubmitInfo submitted{.commandBuffer = commands};
     const auto lock = lockQueue();
     queue_.submit2(vk::SubmitInfo2{.commandBufferInfoCount = 1,
                                    .pCommandBufferInfos = &submitted,
                                    .signalSemaphoreInfoCount = 1,
-                                   .pSignalSemaphoreInfos = &signal});
+                                   .pSignalSemaphoreInfos = &signal},
+                   fence);
     ++submissions_;
 }
 

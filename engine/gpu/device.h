@@ -60,7 +60,7 @@ public:
     void runOnce(const std::function<void(vk::CommandBuffer)>& record) const;
     // From any thread.
     void submit(vk::CommandBuffer commands, vk::Fence fence) const;
-    void submit(vk::CommandBuffer commands, const vk::SemaphoreSubmitInfo& signal) const;
+    void submit(vk::CommandBuffer commands, const vk::SemaphoreSubmitInfo& signal, vk::Fence fence) const;
     void wait(vk::Fence fence) const; // and reset it
     // While whatever else uses the queue is called.
     std::unique_lock<std::mutex> lockQueue() const { return std::unique_lock(queueMutex_); }

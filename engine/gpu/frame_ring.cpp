@@ -20,11 +20,13 @@ FrameRing::~FrameRing()
     }
 }
 
-uint64_t FrameRing::submit(vk::CommandBuffer commands)
+uint64_t FrameRing::submit(vk::CommandBuffer commands, vk::Fence fence)
 {
-    device_.submit(commands, vk::SemaphoreSubmitInfo{.semaphore = *timeline_,
-                                                     .value = submitted_ + 1,
-                                                     .stageMask = vk::PipelineStageFlagBits2::eAllCommands});
+    device_.submit(commands,
+                   vk::SemaphoreSubmitInfo{.semaphore = *timeline_,
+                                           .value = submitted_ + 1,
+                                           .stageMask = vk::PipelineStageFlagBits2::eAllCommands},
+                   fence);
     return ++submitted_;
 }
 

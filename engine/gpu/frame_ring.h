@@ -14,8 +14,8 @@ public:
     FrameRing(const FrameRing&) = delete;
     FrameRing& operator=(const FrameRing&) = delete;
 
-    // The submission's number, from 1.
-    uint64_t submit(vk::CommandBuffer commands);
+    // The submission's number, from 1. The fence is another's, who waits for it apart from the ring.
+    uint64_t submit(vk::CommandBuffer commands, vk::Fence fence = {});
     uint64_t submitted() const { return submitted_; } // the last one's number
     uint64_t finished() const { return finished_; }   // as far as was waited for
     void wait(uint64_t submission);                   // the frame cannot go on without it: counted as a wait

@@ -66,6 +66,8 @@ public:
     std::map<uint32_t, size_t> lumelsByTileSize(); // texture space only, see PlanPass
 
     const gpu::Image& display() const { return targets_.display; } // in use transferRead after a frame
+    // Commands that read it: they follow the last frame, and it is not replaced before they have finished.
+    void submitCopy(vk::CommandBuffer commands, vk::Fence fence) { ring_.submit(commands, fence); }
     const SceneState& scene() const { return scene_; }
     const tsl::Residency& residency() const { return residency_; } // of the objects, in the scene's order
     Image readRadiance() const;                                    // RGB, linear, after render()

@@ -74,6 +74,7 @@ void Renderer::finish()
         ring_.wait(own->submission);
         read(*own);
     }
+    ring_.waitForAll(); // copies of pictures too
 }
 
 void Renderer::learn(InFlight& from)
