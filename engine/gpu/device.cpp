@@ -208,11 +208,12 @@ void Device::createDevice()
                                          .queueFamilyIndex = queueFamily_};
     commandPool_ = vk::raii::CommandPool(device_, pool);
     oncePool_ = vk::raii::CommandPool(device_, pool);
-    // Sets: one a pool block and a pass. Materials have a pool of their own.
+    // Sets: one a pool block and a pass, a few of each renderer's for each frame in flight. Materials have a
+    // pool of their own.
     const vk::DescriptorPoolSize sizes[] = {{vk::DescriptorType::eCombinedImageSampler, 16384},
                                             {vk::DescriptorType::eStorageImage, 16384},
-                                            {vk::DescriptorType::eUniformBuffer, 64},
-                                            {vk::DescriptorType::eUniformTexelBuffer, 64}};
+                                            {vk::DescriptorType::eUniformBuffer, 1024},
+                                            {vk::DescriptorType::eUniformTexelBuffer, 1024}};
     descriptorPool_ =
         vk::raii::DescriptorPool(device_, {.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
                                            .maxSets = 8192,
