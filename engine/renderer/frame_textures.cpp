@@ -22,10 +22,12 @@ bool Renderer::isSettled(const Frame& frame) const
 // Of the feedback pass, in pixels.
 uint32_t Renderer::sampleSpacing(const Frame& frame) const
 {
-    if (first_)
+    const bool moves = frame.clipFromWorld != knownView_, changes = scene_.changed() > knownChange_;
+    // What changes in a view at rest is lit again at once, all that any pixel reads.
+    const bool rested = !moves && knownChange_ + 1 < frame.index;
+    if (first_ || (changes && rested))
         return 1;
     // Where a frame budget has to save pixels, it saves samples too.
-    const bool moves = frame.clipFromWorld != knownView_, changes = scene_.changed() > knownChange_;
     return moves && (!changes || !quality_.samePicture({})) ? FeedbackPass::kSparse : FeedbackPass::kDense;
 }
 
@@ -91,7 +93,7 @@ void Renderer::assignTextures(Frame& frame, uint32_t spacing)
     knownChange_ = frame.index;
 }
 
-// What has changed is lit again where this frame's samples see it: the other offsets find the rest.
+// What changes once more is lit again where this frame's samples see it: the other offsets find the rest.
 void Renderer::noteOffsets(const Frame& frame, uint32_t spacing)
 {
     if (!isStill(frame))
