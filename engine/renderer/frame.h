@@ -40,7 +40,7 @@ public:
     // texture space and of forward shading.
     FloorStats measureFloors(const scene::Camera& camera);
     // The last frame changed nothing: a further one of the same view would be the same.
-    bool settled() const { return settled_; }
+    bool settled() const { return settled_ && lastPlanned_ <= knownFrame_; }
     int samples() const { return sumSamples_; } // behind the reference's picture
 
     const Settings& settings() const { return settings_; }
@@ -148,7 +148,8 @@ private:
     uint32_t knownChange_ = 0;          // frame up to which changes of lights and objects are in
     std::optional<tsl::Detail> detail_; // of the frame before, without the frame budget's bias
     uint32_t offsetsSeen_ = 0;          // of the feedback pass's cycle, in this very view
-    uint32_t stillSince_ = 0;           // the first frame of this very view
+    uint32_t seenSince_ = 0;            // the first frame that sees just this
+    uint32_t lastPlanned_ = 0;          // frame
     // What frames go by: of the latest one whose place in the rings has come round, or that was waited for.
     // Not of whichever happens to have finished: the same frames give the same pictures.
     Feedback latest_;

@@ -36,6 +36,7 @@ void Renderer::countFrame(const Frame& frame, InFlight& own)
     own.late = frame.late;
     own.planned = !frame.feedback.empty();
     own.unread = true;
+    lastPlanned_ = own.planned ? frame.index : lastPlanned_;
     own.divisor = feedback_.divisor();
     own.quality = quality_;
     own.dynamicInView = dynamicInView_;

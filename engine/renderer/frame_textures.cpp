@@ -13,9 +13,7 @@ bool Renderer::isStill(const Frame& frame) const
 // Nothing to find, to light or to fade: every pixel of the still view was looked at.
 bool Renderer::isSettled(const Frame& frame) const
 {
-    // Of frames in flight it is not known yet what they left.
-    const uint32_t unknown = frame.index - 1 - std::min(knownFrame_, frame.index - 1);
-    return isStill(frame) && offsetsSeen_ >= FeedbackPass::kCycle + unknown && lumelsPending_ == 0 &&
+    return isStill(frame) && offsetsSeen_ >= FeedbackPass::kCycle && lumelsPending_ == 0 &&
            residency_.steady();
 }
 
@@ -97,10 +95,12 @@ void Renderer::assignTextures(Frame& frame, uint32_t spacing)
 void Renderer::noteOffsets(const Frame& frame, uint32_t spacing)
 {
     if (!isStill(frame))
-        stillSince_ = frame.index;
-    // So are textures that are new.
-    const bool changes = frame.late && (latest_.frame < stillSince_ || residency_.anyFresh());
-    if (stillSince_ == frame.index || changes)
+        offsetsSeen_ = 0;
+    if (frame.clipFromWorld != knownView_ || !quality_.samePicture(knownQuality_) ||
+        scene_.moved() > knownChange_)
+        seenSince_ = frame.index;
+    // So are textures that are new, or of another view.
+    if (frame.late && (latest_.frame < seenSince_ || residency_.anyFresh()))
         offsetsSeen_ = 0;
     offsetsSeen_ += spacing == 1 ? FeedbackPass::kCycle : spacing == FeedbackPass::kDense;
 }
