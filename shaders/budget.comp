@@ -7,6 +7,18 @@
 layout(local_size_x = 1) in;
 layout(push_constant, scalar) uniform Constants { PlanPush push; };
 
+// The numbers that the frame before has given. When memory is new, those too that it only asked for: no tile then keeps
+// a number that is given again.
+void countSurfaces()
+{
+    bool emptied = push.surfaces.emptied != 0u;
+    uint most = emptied ? ~0u : surfacesAFrame(push.surfaces.capacity);
+    uint latest = push.plan.at.surfacesLatest + min(push.plan.at.surfacesBefore, most);
+    push.plan.at.surfacesLatest = latest;
+    if (emptied)
+        push.plan.at.surfacesOldest = latest;
+}
+
 void main()
 {
     uint marked = min(push.plan.at.marked, push.markCapacity);
@@ -15,6 +27,7 @@ void main()
         uvec2 groups = groupRows(marked);
         push.plan.at.groups[0] = groups.x;
         push.plan.at.groups[1] = groups.y;
+        countSurfaces();
         return;
     }
     uint always = push.plan.at.histogram[kPriorityAlways];

@@ -70,16 +70,16 @@ const uint kRestFrames = 4u;
 // A tile's place in the surface cache: its own while that holds, else a new one if it is to have any.
 uint surfaceNumber(LitObject object, TileState state)
 {
-    SurfaceCacheState cache = push.surfaces;
-    bool holds = state.surface > cache.oldest && object.changed <= state.checked &&
-                 cache.latest - state.surface < cache.capacity - surfacesAFrame(cache.capacity);
+    uint capacity = push.surfaces.capacity, latest = push.plan.at.surfacesLatest;
+    bool holds = state.surface > push.plan.at.surfacesOldest && object.changed <= state.checked &&
+                 latest - state.surface < capacity - surfacesAFrame(capacity);
     if (holds)
         return state.surface;
     bool moves = (objectFlags(object) & kObjectDeformed) != 0u || object.changed + kRestFrames > view.frame;
-    if (moves || cache.capacity == 0u)
+    if (moves || capacity == 0u)
         return 0u;
     uint taken = atomicAdd(push.plan.at.surfacesTaken, 1u);
-    return taken < surfacesAFrame(cache.capacity) ? cache.latest + taken + 1u : 0u;
+    return taken < surfacesAFrame(capacity) ? latest + taken + 1u : 0u;
 }
 
 // Enters the quads in the list of a job; false when that is full.

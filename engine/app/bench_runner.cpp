@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "gltf/gltf.h"
 #include "renderer/setting_text.h"
+#include <deque>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -57,6 +58,7 @@ std::string describeLoad(const std::vector<LoadStep>& load)
 struct BenchRunner::Run {
     Renderer renderer;
     RunInfo info;
+    std::deque<int> begun; // frames in flight, the oldest first
     std::vector<FrameStats> frames;
     std::vector<bench::FloorFrame> floors; // parallel, with --floors
     Image before;                          // for flicker: the frame before
@@ -230,6 +232,20 @@ void BenchRunner::measureTurn(View& view, int from, int to, bool backwards)
         Run& run = *view.runs[backwards ? view.runs.size() - 1 - i : i];
         for (int frame = from; frame < to; ++frame)
             render(view, run, frame);
+        if (to == arguments_.frames || views_.size() * view.runs.size() > 1) { // the device is another's
+            run.renderer.finish();
+            collect(run);
+        }
+    }
+}
+
+// The statistics of what has finished by now.
+void BenchRunner::collect(Run& run)
+{
+    for (FrameStats& stats : run.renderer.takeFinished()) {
+        if (run.begun.front() >= 0)
+            run.frames.push_back(std::move(stats));
+        run.begun.pop_front();
     }
 }
 
@@ -264,27 +280,32 @@ void BenchRunner::place(View& view, Renderer& renderer, int frame)
 void BenchRunner::render(View& view, Run& run, int frame)
 {
     place(view, run.renderer, frame);
-    FrameStats stats = run.renderer.render(view.playback.camera(frame));
+    run.renderer.render(view.playback.camera(frame));
+    run.begun.push_back(frame);
+    const bool floors = arguments_.floors && run.renderer.settings().shading != Shading::reference;
+    if (floors || (view.reference && frame >= 0))
+        run.renderer.finish();
+    collect(run);
     if (view.reference && frame >= 0)
-        measureQuality(view, run, frame, stats);
-    if (arguments_.floors && run.renderer.settings().shading != Shading::reference)
-        measureFloors(view, run, frame, stats);
-    if (frame >= 0)
-        run.frames.push_back(std::move(stats));
+        measureQuality(view, run, frame, run.frames.back());
+    if (floors)
+        measureFloors(view, run, frame);
     progress_->advance(1);
 }
 
 // After every frame, counted or not, so that all frames follow the same.
-void BenchRunner::measureFloors(View& view, Run& run, int frame, const FrameStats& stats)
+void BenchRunner::measureFloors(View& view, Run& run, int frame)
 {
     const FloorStats floors = run.renderer.measureFloors(view.playback.camera(frame));
-    if (frame >= 0)
-        run.floors.push_back({.ms = stats.ms,
-                              .passMs = stats.passMs,
-                              .lit = double(stats.lumelsLit),
-                              .derived = double(stats.lumelsDerived),
-                              .pixels = double(floors.pixels),
-                              .floorNs = floors.nanoseconds});
+    if (frame < 0)
+        return;
+    const FrameStats& stats = run.frames.back();
+    run.floors.push_back({.ms = stats.ms,
+                          .passMs = stats.passMs,
+                          .lit = double(stats.lumelsLit),
+                          .derived = double(stats.lumelsDerived),
+                          .pixels = double(floors.pixels),
+                          .floorNs = floors.nanoseconds});
 }
 
 void BenchRunner::measureQuality(View& view, Run& run, int frame, FrameStats& stats) const

@@ -30,7 +30,8 @@ private:
     void render(View& view, Run& run, int frame);
     void place(View& view, Renderer& renderer, int frame); // lights and objects
     void measureQuality(View& view, Run& run, int frame, FrameStats& stats) const;
-    static void measureFloors(View& view, Run& run, int frame, const FrameStats& stats);
+    static void measureFloors(View& view, Run& run, int frame);
+    static void collect(Run& run);
     bool needsReference(int frame) const;
 
     const gpu::Device& device_;

@@ -75,6 +75,7 @@ struct LoadStep {
 
 // Each of scenes x sizes x lights x objects x shadings is measured.
 struct BenchArguments : SceneArguments {
+    BenchArguments() { settings.residency = ResidencyFrom::latest; }
     std::vector<std::filesystem::path> scenes; // none: the stress scene beside the program
     std::vector<BenchShading> shadings{BenchShading()};
     std::vector<glm::uvec2> sizes{{960, 540}};
@@ -96,7 +97,11 @@ struct BenchArguments : SceneArguments {
 bool runBench(const BenchArguments& arguments);
 
 struct ViewArguments : SceneArguments {
-    ViewArguments() { settings.budgetMs = 33.0; }
+    ViewArguments()
+    {
+        settings.budgetMs = 33.0;
+        settings.residency = ResidencyFrom::latest;
+    }
     bool listDevices = false; // and nothing else
     gpu::PresentMode presentMode = gpu::PresentMode::fifo;
     bool split = false; // the right side: shading and filter of its own

@@ -42,6 +42,8 @@ std::string missingFeature(const vk::raii::PhysicalDevice& device)
         return "shaderStorageImageWriteWithoutFormat";
     if (!f12.scalarBlockLayout)
         return "scalarBlockLayout";
+    if (!f12.timelineSemaphore)
+        return "timelineSemaphore";
     if (!f12.bufferDeviceAddress)
         return "bufferDeviceAddress";
     if (!f13.dynamicRendering)
@@ -200,7 +202,7 @@ void Device::createDevice()
              {.features = {.multiDrawIndirect = limits_.mostIndirectDraws > 0,
                            .drawIndirectFirstInstance = limits_.mostIndirectDraws > 0,
                            .shaderStorageImageWriteWithoutFormat = VK_TRUE}},
-             {.scalarBlockLayout = VK_TRUE, .bufferDeviceAddress = VK_TRUE},
+             {.scalarBlockLayout = VK_TRUE, .timelineSemaphore = VK_TRUE, .bufferDeviceAddress = VK_TRUE},
              {.synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE, .maintenance4 = VK_TRUE});
     device_ = vk::raii::Device(physical_, info.get<vk::DeviceCreateInfo>());
     allocator_ = std::make_unique<Allocator>(device_, physical_.getMemoryProperties(), limits_);
@@ -219,7 +221,6 @@ void Device::createDevice()
                                            .maxSets = 8192,
                                            .poolSizeCount = uint32_t(std::size(sizes)),
                                            .pPoolSizes = sizes});
-    fence_ = vk::raii::Fence(device_, vk::FenceCreateInfo{});
     onceFence_ = vk::raii::Fence(device_, vk::FenceCreateInfo{});
 }
 
@@ -237,6 +238,18 @@ void Device::submit(vk::CommandBuffer commands, vk::Fence fence) const
     ++submissions_;
 }
 
+void Device::submit(vk::CommandBuffer commands, const vk::SemaphoreSubmitInfo& signal, vk::Fence fence) const
+{
+    const vk::CommandBufferSubmitInfo submitted{.commandBuffer = commands};
+    const auto lock = lockQueue();
+    queue_.submit2(vk::SubmitInfo2{.commandBufferInfoCount = 1,
+                                   .pCommandBufferInfos = &submitted,
+                                   .signalSemaphoreInfoCount = 1,
+                                   .pSignalSemaphoreInfos = &signal},
+                   fence);
+    ++submissions_;
+}
+
 void Device::wait(vk::Fence fence) const
 {
     constexpr uint64_t kTenMinutesNs = 600'000'000'000ull;
@@ -244,12 +257,6 @@ void Device::wait(vk::Fence fence) const
     if (device_.waitForFences(fence, VK_TRUE, kTenMinutesNs) != vk::Result::eSuccess)
         throw Error("Vulkan: the device did not finish within ten minutes; lower --size or --samples");
     device_.resetFences(fence);
-}
-
-void Device::submitAndWait(vk::CommandBuffer commands, vk::Fence fence) const
-{
-    submit(commands, fence);
-    wait(fence);
 }
 
 vk::raii::CommandBuffer Device::makeCommands() const
@@ -266,7 +273,8 @@ void Device::runOnce(const std::function<void(vk::CommandBuffer)>& record) const
     commands.begin(vk::CommandBufferBeginInfo{.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
     record(commands);
     commands.end();
-    submitAndWait(commands, *onceFence_);
+    submit(commands, *onceFence_);
+    wait(*onceFence_);
 }
 
 void Device::beginLabel(vk::CommandBuffer commands, const char* text) const

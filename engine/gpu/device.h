@@ -59,10 +59,10 @@ public:
     vk::raii::CommandBuffer makeCommands() const; // for the thread that renders
     // Records, submits and waits. For uploads and readbacks, not for frames. From any thread, one at a time.
     void runOnce(const std::function<void(vk::CommandBuffer)>& record) const;
-    // From the thread that renders.
-    void submitAndWait(vk::CommandBuffer commands) const { submitAndWait(commands, *fence_); }
-    void submit(vk::CommandBuffer commands, vk::Fence fence) const; // from any thread
-    void wait(vk::Fence fence) const;                               // and reset it
+    // From any thread.
+    void submit(vk::CommandBuffer commands, vk::Fence fence) const;
+    void submit(vk::CommandBuffer commands, const vk::SemaphoreSubmitInfo& signal, vk::Fence fence) const;
+    void wait(vk::Fence fence) const; // and reset it
     // While whatever else uses the queue is called.
     std::unique_lock<std::mutex> lockQueue() const { return std::unique_lock(queueMutex_); }
     uint64_t submissions() const { return submissions_; }
@@ -102,12 +102,11 @@ private:
     vk::raii::Queue queue_ = nullptr;
     vk::raii::CommandPool commandPool_ = nullptr, oncePool_ = nullptr;
     vk::raii::DescriptorPool descriptorPool_ = nullptr;
-    vk::raii::Fence fence_ = nullptr, onceFence_ = nullptr;
+    vk::raii::Fence onceFence_ = nullptr;
     mutable std::mutex once_; // guards oncePool_ and onceFence_
     mutable std::mutex queueMutex_;
     mutable std::atomic<uint64_t> submissions_ = 0;
 
-    void submitAndWait(vk::CommandBuffer commands, vk::Fence fence) const;
     void createInstance();
     void choosePhysical(const DeviceOptions& options);
     void createDevice();

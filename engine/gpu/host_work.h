@@ -6,6 +6,7 @@ namespace lumel::gpu {
 
 struct HostWork {
     uint64_t waits = 0;            // for the device to finish what was submitted
+    uint64_t ringWaits = 0;        // for a frame so old that its part of the rings serves the next one
     uint64_t uploadedBytes = 0;    // written to memory that the device reads
     uint64_t pipelinesCreated = 0; // begun: they compile on threads of their own
 };
@@ -19,7 +20,8 @@ inline HostWork& hostWork()
 
 inline HostWork operator-(const HostWork& a, const HostWork& b)
 {
-    return {a.waits - b.waits, a.uploadedBytes - b.uploadedBytes, a.pipelinesCreated - b.pipelinesCreated};
+    return {a.waits - b.waits, a.ringWaits - b.ringWaits, a.uploadedBytes - b.uploadedBytes,
+            a.pipelinesCreated - b.pipelinesCreated};
 }
 
 } // namespace lumel::gpu

@@ -67,11 +67,13 @@ void recordUpload(vk::CommandBuffer commands, const Buffer& staging, const Image
     imageBarrier(commands, to.handle(), to.aspect(), Use::transferWrite, Use::shaderSample);
 }
 
-Counters::Counters(const Device& device, std::span<const std::byte> initial, const std::string& name)
+Counters::Counters(const Device& device, std::span<const std::byte> initial, const std::string& name,
+                   size_t places)
     : bytes_(initial.size()), initial_(uploadBuffer(device, initial, name + " at first")),
-      counters_(device, bytes_, MemoryUsage::device, name),
-      readback_(device, bytes_, MemoryUsage::readback, name + " readback")
+      counters_(device, bytes_, MemoryUsage::device, name)
 {
+    for (size_t i = 0; i < places; ++i)
+        readbacks_.emplace_back(device, bytes_, MemoryUsage::readback, name + " readback");
 }
 
 void Counters::recordReset(vk::CommandBuffer commands, List list)
@@ -86,12 +88,12 @@ void Counters::recordReset(vk::CommandBuffer commands, List list)
     memoryBarrier(commands, Use::transferWrite, Use::computeReadWrite);
 }
 
-void Counters::recordRead(vk::CommandBuffer commands, List list)
+void Counters::recordRead(vk::CommandBuffer commands, List list, size_t place)
 {
     memoryBarrier(commands, Use::computeWrite, Use::transferRead);
     for (const Counters* c : list)
         if (c->bytes_ > 0)
-            commands.copyBuffer(c->counters_.handle(), c->readback_.handle(),
+            commands.copyBuffer(c->counters_.handle(), c->readbacks_[place].handle(),
                                 vk::BufferCopy{.size = c->bytes_});
     memoryBarrier(commands, Use::transferWrite, Use::hostRead);
 }

@@ -50,31 +50,35 @@ private:
     std::byte* mapped_ = nullptr;
 };
 
-// What shaders count and the CPU reads: counters in device memory, and where they are copied to.
+// What shaders count and the CPU reads: counters in device memory, and where they are copied to, a place for
+// each frame in flight.
 class Counters {
 public:
     // initial: what they start from.
-    Counters(const Device& device, std::span<const std::byte> initial, const std::string& name);
+    Counters(const Device& device, std::span<const std::byte> initial, const std::string& name,
+             size_t places = 1);
     template<class T>
-    Counters(const Device& device, const std::vector<T>& initial, const std::string& name)
-        : Counters(device, std::as_bytes(std::span(initial)), name)
+    Counters(const Device& device, const std::vector<T>& initial, const std::string& name, size_t places = 1)
+        : Counters(device, std::as_bytes(std::span(initial)), name, places)
     {
     }
 
     using List = std::initializer_list<const Counters*>;
     static void recordReset(vk::CommandBuffer commands, List list); // then compute shaders may count
-    static void recordRead(vk::CommandBuffer commands, List list);  // what compute shaders have counted
+    // What compute shaders have counted.
+    static void recordRead(vk::CommandBuffer commands, List list, size_t place = 0);
     vk::DeviceAddress address() const { return counters_.address(); }
     // After the recorded commands have finished.
     template<class T>
-    const T* read() const
+    const T* read(size_t place = 0) const
     {
-        return readback_.read<T>();
+        return readbacks_[place].read<T>();
     }
 
 private:
     size_t bytes_;
-    Buffer initial_, counters_, readback_;
+    Buffer initial_, counters_;
+    std::vector<Buffer> readbacks_;
 };
 
 // All of a buffer as texels of four words. Throws Error when they are more than the device takes.

@@ -33,16 +33,16 @@ void Renderer::recordTextureSpace(Frame& frame)
         plan_.prepare(frame, pool_); // the objects still draw their lit textures
         return;                      // and these hold all the light that this view needs
     }
+    const uint32_t spacing = sampleSpacing(frame);
     // What does this view need, and how finely? The CPU assigns memory by the answer.
-    feedback_.record(frame, sampleSpacing(frame));
-    submitAndWait(frame);
-    feedback_.read(frame);
-    if (chooseDetail(frame)) {
-        feedback_.recount(frame); // the same samples once more, at that detail
-        submitAndWait(frame);
-        feedback_.read(frame);
-    }
-    assignTextures(frame); // which recycled texture does each object draw?
+    if (!frame.late)
+        findFeedback(frame, spacing);
+    FeedbackPass::apply(latest_, frame);
+    if (frame.late)
+        chooseDetail(frame);
+    assignTextures(frame, spacing); // which recycled texture does each object draw?
+    if (frame.late)
+        feedback_.record(frame, spacing); // the answer is for a later frame
     pool_.recordHandovers(frame);
     plan_.record(frame, feedback_); // which of its tiles are to be lit, derived or kept?
     endPass(frame);
@@ -57,9 +57,11 @@ Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene, const S
                    const Settings& settings)
     : device_(device), settings_(settings), targets_(device, settings), scene_(device, scene, resources),
       shadow_(device, scene_), pool_(device, settings.poolBytes), feedback_(device, settings.size, scene_),
-      plan_(device, scene_, feedback_), light_(device, scene_, pool_), edges_(device, scene_),
-      display_(device, scene_, targets_), timer_(device), commands_(device.makeCommands())
+      plan_(device, scene_, feedback_), light_(device, scene_, pool_), edges_(device, scene_, targets_),
+      display_(device, scene_, targets_), sceneRadius_(scene.bounds.radius()), ring_(device)
 {
+    for (auto& own : inFlight_)
+        own = std::make_unique<InFlight>(device);
     if (settings.budgetMs > 0.0)
         budget_.emplace(settings.budgetMs);
     preparePipelines();
@@ -75,20 +77,23 @@ void Renderer::begin(Frame& frame)
 {
     frame.commands.begin(vk::CommandBufferBeginInfo{.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
     frame.bound = {};
-    timer_.reset(frame.commands);
+    frame.timer.reset(frame.commands);
+    // What frames do not have one each of, they use one after the other.
+    gpu::memoryBarrier(frame.commands, gpu::Use::general, gpu::Use::general);
 }
 
-void Renderer::finish(Frame& frame)
+void Renderer::submit(Frame& frame)
 {
     frame.commands.end();
-    device_.submitAndWait(frame.commands);
-    for (const auto& [name, ms] : timer_.results())
-        stats_.passMs[name] += ms;
+    own().submission = ring_.submit(frame.commands);
 }
 
 void Renderer::submitAndWait(Frame& frame)
 {
-    finish(frame);
+    submit(frame);
+    ring_.wait(own().submission);
+    for (const auto& [name, ms] : frame.timer.results())
+        own().stats.passMs[name] += ms;
     if (passesAlone_)
         checkInterrupted();
     begin(frame);
@@ -121,7 +126,6 @@ shared::View Renderer::makeView(const Frame& frame, glm::vec2 shiftInPixels) con
 
 void Renderer::writeView(const Frame& frame)
 {
-    scene_.lights().writeTable();
     scene_.frameSet().writeView(makeView(frame));
 }
 
@@ -140,6 +144,7 @@ FrameStats Renderer::accumulate(const scene::Camera& camera)
 
 void Renderer::restart()
 {
+    learnAll();
     pool_.clear(settings_.poolBytes);
     residency_ = {};
     first_ = true;
@@ -149,23 +154,29 @@ void Renderer::restart()
     offsetsSeen_ = 0;
     lumelsPending_ = 0;
     tilesMarked_ = 0;
-    plan_.surfaces().clear();
+    latest_ = {};
+    plan_.surfaces().clear(ring_);
     known_ = {};
 }
 
 void Renderer::setSettings(const Settings& settings)
 {
+    const unsigned changed = changes(settings_, settings);
+    if (changed)
+        learnAll();
     const Settings before = std::exchange(settings_, settings);
-    const unsigned changed = changes(before, settings);
     if ((changed & invalidates::targets) && !Targets::same(before, settings)) {
         targets_ = Targets(device_, settings);
         display_.connect(device_, targets_);
+        edges_.connect(device_, targets_);
         floors_.reset();
     }
     if (changed & invalidates::sum)
         sumSamples_ = 0; // lumels see to it that what changed is lit again
-    if (changed & invalidates::feedback)
+    if (changed & invalidates::feedback) {
         feedback_.resize(device_, settings.size);
+        latest_ = {};
+    }
     if (changed & invalidates::budget) {
         budget_.reset();
         if (settings.budgetMs > 0.0)
@@ -176,6 +187,7 @@ void Renderer::setSettings(const Settings& settings)
     if (changed & invalidates::pool) {
         pool_.clear(settings.poolBytes);
         residency_ = {};
+        latest_ = {};
     }
     if (changed & invalidates::lumels) {
         knownView_ = glm::mat4(0.0f);
@@ -193,7 +205,8 @@ void Renderer::setLights(const std::vector<scene::Light>& lights)
 
 void Renderer::setEnvironment(std::shared_ptr<const EnvironmentMap> environment)
 {
-    scene_.lights().setEnvironment(device_, std::move(environment), frameIndex_ + 1);
+    finish();
+    scene_.lights().setEnvironment(std::move(environment), frameIndex_ + 1);
     preparePipelines();
 }
 
@@ -225,16 +238,17 @@ glm::mat4 Renderer::clipFromWorld(const scene::Camera& camera) const
 Frame Renderer::makeFrame(const Settings& settings, Targets& targets, uint32_t index)
 {
     return {.device = device_,
-            .commands = *commands_,
-            .timer = timer_,
+            .commands = *own().commands,
+            .timer = own().timer,
+            .ring = ring_,
             .scene = scene_,
             .targets = targets,
             .settings = settings,
             .renderSize = settings.size,
             .index = index,
+            .place = place_,
             .inView = {},
             .feedback = {},
-            .elongations = {},
             .detail = detail_.value_or(tsl::Detail{settings_.levelOffset, settings_.anisotropy}),
             .lumelBudget = settings.lumelBudget,
             .residency = residency_};
@@ -249,9 +263,11 @@ Frame Renderer::makeFrame(const scene::Camera& camera, const Settings& settings,
     frame.eye = camera.eye;
     scene_.lights().adjustAmbient(settings_.ambient, index);
     scene_.lights().adjustEnvironment(settings_.environmentIntensity, settings_.environmentRotation, index);
-    shadow_.prepare(device_, scene_, settings_, index);
+    shadow_.prepare(frame);
     frame.inView = objectsInView(scene_.objects(), frame.clipFromWorld);
+    scene_.begin(place_);
     scene_.writeObjects();
+    scene_.lights().writeTable();
     return frame;
 }
 
@@ -259,12 +275,22 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
 {
     if (interrupted())
         throw Interrupted();
-    const auto start = std::chrono::steady_clock::now();
+    const BusyClock::Running runs(clock_);
     const gpu::HostWork before = gpu::hostWork();
-    stats_ = {};
+    place_ = ++frameIndex_ % places();
+    InFlight& own = *inFlight_[place_];
+    ring_.waitForPlace(own.submission);
+    read(own);
+    learn(own);
+    const bool late = isLate(camera);
+    if (!late)
+        learnAll();
+    own.begunMs = clock_.ms();
+    own.stats = {};
     if (budget_)
         quality_ = budget_->quality();
-    Frame frame = makeFrame(camera, settings_, targets_, ++frameIndex_);
+    Frame frame = makeFrame(camera, settings_, targets_, frameIndex_);
+    frame.late = late;
     frame.renderSize = glm::max(glm::uvec2(glm::round(glm::vec2(settings_.size) * quality_.renderScale)), 1u);
     frame.detail.levelOffset += quality_.levelBias;
     frame.lumelBudget = std::min(settings_.lumelBudget, quality_.lumels);
@@ -277,15 +303,17 @@ FrameStats Renderer::renderFrame(const scene::Camera& camera)
     sumView_ = frame.clipFromWorld;
     begin(frame);
     recordFrame(frame);
-    finish(frame);
+    submit(frame);
+    if (!late)
+        ring_.wait(own.submission);
     first_ = first_ && settings_.shading != Shading::tsl;
-
-    stats_.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    stats_.hostWork = gpu::hostWork() - before;
-    countFrame(frame);
+    lastCamera_ = camera;
     inView_ = frame.inView;
-    keepToBudget();
-    return stats_;
+    countFrame(frame, own);
+    own.stats.hostWork = gpu::hostWork() - before;
+    if (!late)
+        learnAll();
+    return last_;
 }
 
 } // namespace lumel

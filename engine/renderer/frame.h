@@ -1,5 +1,6 @@
 // The renderer: one scene, one picture size, frame after frame.
 #pragma once
+#include "frame_flight.h"
 #include "renderer/passes/deform_pass.h"
 #include "renderer/passes/display_pass.h"
 #include "renderer/passes/draw_pass.h"
@@ -10,8 +11,6 @@
 #include "renderer/passes/meter_pass.h"
 #include "renderer/passes/plan_pass.h"
 #include "renderer/passes/shadow_pass.h"
-#include "stats.h"
-#include "tsl/budget.h"
 #include "tsl/dynamic_objects.h"
 
 namespace lumel {
@@ -25,8 +24,14 @@ public:
     Renderer(const gpu::Device& device, const scene::Scene& scene,
              const std::vector<scene::BakedMaterial>& materials, const Settings& settings);
 
-    // Renders one frame and waits for it. Throws Interrupted after Ctrl-C.
+    // Renders one frame. Within Settings::framesInFlight it is not waited for, unless the textures of its
+    // objects are to be exact: the result then is of the last frame that has finished, at first of none.
+    // Throws Interrupted after Ctrl-C.
     FrameStats render(const scene::Camera& camera);
+    // Waits for the frames in flight. Changes no picture to come.
+    void finish();
+    // Of the frames that have finished since the last call, in order: of a few, where that was long ago.
+    std::vector<FrameStats> takeFinished() { return std::exchange(finished_, {}); }
     // Reference only: adds settings().samples to those of this very view, or starts over.
     FrameStats accumulate(const scene::Camera& camera);
     // The luminances of the view, for automatic exposure; changes no picture.
@@ -58,9 +63,11 @@ public:
 
     // Of the last frame, in the scene's order; without names.
     std::vector<ObjectStats> objectStats() const;
-    std::map<uint32_t, size_t> lumelsByTileSize() const; // texture space only, see PlanPass
+    std::map<uint32_t, size_t> lumelsByTileSize(); // texture space only, see PlanPass
 
     const gpu::Image& display() const { return targets_.display; } // in use transferRead after a frame
+    // Commands that read it: they follow the last frame, and it is not replaced before they have finished.
+    void submitCopy(vk::CommandBuffer commands, vk::Fence fence) { ring_.submit(commands, fence); }
     const SceneState& scene() const { return scene_; }
     const tsl::Residency& residency() const { return residency_; } // of the objects, in the scene's order
     Image readRadiance() const;                                    // RGB, linear, after render()
@@ -74,19 +81,28 @@ private:
     bool isStill(const Frame& frame) const;
     bool isSettled(const Frame& frame) const;
     uint32_t sampleSpacing(const Frame& frame) const;
+    void findFeedback(Frame& frame, uint32_t spacing);
     bool chooseDetail(Frame& frame); // true: the feedback pass is to count again
-    void assignTextures(Frame& frame);
+    void assignTextures(Frame& frame, uint32_t spacing);
+    void noteOffsets(const Frame& frame, uint32_t spacing);
     void noteDynamic(const Frame& frame);
-    void keepToBudget();
-    void countLumels(const Frame& frame);
-    void countFrame(const Frame& frame);
+    void keepToBudget(const InFlight& own);
+    void countLumels(InFlight& own);
+    void countFrame(const Frame& frame, InFlight& own);
+    uint32_t places() const; // frames in flight
+    bool isLate(const scene::Camera& camera) const;
+    bool isCut(const scene::Camera& camera) const;
+    void read(InFlight& own);
+    void learn(InFlight& from);
+    void learnAll();
     Frame makeFrame(const Settings& settings, Targets& targets, uint32_t index);
     Frame makeFrame(const scene::Camera& camera, const Settings& settings, Targets& targets, uint32_t index);
     FrameStats renderFrame(const scene::Camera& camera);
     glm::mat4 clipFromWorld(const scene::Camera& camera) const;
+    InFlight& own() { return *inFlight_[place_]; } // of the frame being made
     void begin(Frame& frame);
-    void finish(Frame& frame);        // submits what is recorded, waits, and adds up the pass times
-    void submitAndWait(Frame& frame); // the same, and goes on recording
+    void submit(Frame& frame);
+    void submitAndWait(Frame& frame); // adds up the pass times, and goes on recording
     void endPass(Frame& frame);
     shared::View makeView(const Frame& frame, glm::vec2 shiftInPixels = glm::vec2(0.0f)) const;
     void writeView(const Frame& frame);
@@ -106,9 +122,12 @@ private:
     DisplayPass display_;
     std::unique_ptr<MeterPass> meter_;  // made when first needed
     std::unique_ptr<FloorPass> floors_; // likewise
-    gpu::Timer timer_;
-    vk::raii::CommandBuffer commands_;
-    FrameStats stats_;
+    std::array<std::unique_ptr<InFlight>, gpu::FrameRing::kMostFrames> inFlight_;
+    uint32_t place_ = 0; // of the last frame
+    BusyClock clock_;
+    double readMs_ = 0.0;              // when the last frame was found to have finished
+    FrameStats last_;                  // of the last frame that has finished
+    std::vector<FrameStats> finished_; // since they were taken
     tsl::Residency residency_;
     std::optional<tsl::BudgetController> budget_;
     tsl::DynamicObjects dynamicObjects_;
@@ -129,11 +148,21 @@ private:
     uint32_t knownChange_ = 0;          // frame up to which changes of lights and objects are in
     std::optional<tsl::Detail> detail_; // of the frame before, without the frame budget's bias
     uint32_t offsetsSeen_ = 0;          // of the feedback pass's cycle, in this very view
+    uint32_t stillSince_ = 0;           // the first frame of this very view
+    // What frames go by: of the latest one whose place in the rings has come round, or that was waited for.
+    // Not of whichever happens to have finished: the same frames give the same pictures.
+    Feedback latest_;
+    uint32_t knownFrame_ = 0; // that the next two are of, or a later one that had nothing to do
     size_t lumelsPending_ = 0;
-    size_t tilesMarked_ = 0; // by the last plan
+    size_t tilesMarked_ = 0;
+    float sceneRadius_ = 0.0f; // metres
+    std::optional<scene::Camera> lastCamera_;
     std::vector<tsl::ObjectFeedback> knownFeedback_;
+    uint32_t knownDivisor_ = 1;
     std::vector<uint8_t> inView_;
-    FrameStats known_; // marks and pixels
+    FrameStats known_;        // marks and pixels
+    shared::Plan lastPlan_{}; // that was read
+    gpu::FrameRing ring_;     // goes first: it waits for what uses the others
 };
 
 } // namespace lumel

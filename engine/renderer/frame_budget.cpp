@@ -15,25 +15,26 @@ void Renderer::noteDynamic(const Frame& frame)
 }
 
 // Tells the controller what the frame cost, and the user when no quality is low enough.
-void Renderer::keepToBudget()
+void Renderer::keepToBudget(const InFlight& own)
 {
     if (!budget_)
         return;
     const auto ms = [&](const char* pass) {
-        const auto found = stats_.passMs.find(pass);
-        return found == stats_.passMs.end() ? 0.0 : found->second;
+        const auto found = own.stats.passMs.find(pass);
+        return found == own.stats.passMs.end() ? 0.0 : found->second;
     };
     budget_->finished(
-        {.total = stats_.ms,
+        {.total = own.stats.ms,
          .find = ms("feedback") + ms("plan") + ms("lower"), // coarser tiles are looked at, lit or not
          .light = ms("light"),
          .draw = ms("draw"),
          .display = ms("display"),
-         .found = settings_.shading != Shading::tsl || stats_.passMs.contains("feedback"),
-         .lumelsLit = stats_.lumelsLit,
-         .lumelsPending = stats_.lumelsPending,
+         .found = settings_.shading != Shading::tsl || own.stats.passMs.contains("feedback"),
+         .lumelsLit = own.stats.lumelsLit,
+         .lumelsPending = own.stats.lumelsPending,
          .lumelsAllowed = settings_.lumelBudget,
-         .dynamic = dynamicInView_});
+         .dynamic = own.dynamicInView},
+        own.quality);
     if (budget_->outOfReach() && !budgetMissed_) {
         spdlog::warn(
             "a frame budget of {:g} ms is out of reach here: about {:.0f} ms at half the render scale; "

@@ -20,7 +20,7 @@ LuminanceHistogram Renderer::meter(const scene::Camera& camera)
     if (!meter_)
         meter_ = std::make_unique<MeterPass>(device_, scene_);
     Targets targets(device_, settings);
-    const FrameStats before = std::exchange(stats_, {});
+    learnAll();
     Frame frame = makeFrame(camera, settings, targets, frameIndex_ + 1);
     writeView(frame);
     begin(frame);
@@ -28,8 +28,8 @@ LuminanceHistogram Renderer::meter(const scene::Camera& camera)
     shadow_.record(frame);
     draw_.record(frame, pool_);
     meter_->record(frame);
-    finish(frame);
-    stats_ = before;
+    submit(frame);
+    ring_.wait(own().submission);
     return meter_->read();
 }
 

@@ -5,6 +5,7 @@ namespace lumel {
 
 FloorStats Renderer::measureFloors(const scene::Camera& camera)
 {
+    learnAll();
     const bool first = !floors_;
     if (first)
         floors_ = std::make_unique<FloorPass>(device_, scene_, settings_);
@@ -13,13 +14,13 @@ FloorStats Renderer::measureFloors(const scene::Camera& camera)
     const auto run = [&](size_t lumelsLit, size_t lumelsDerived) {
         begin(frame);
         floors_->record(frame, pool_, lumelsLit, lumelsDerived);
-        frame.commands.end();
-        device_.submitAndWait(frame.commands);
+        submit(frame);
+        ring_.wait(own().submission);
     };
     if (first)
         run(~size_t(0), ~size_t(0)); // compiles, and fills the textures
-    run(stats_.lumelsLit, stats_.lumelsDerived);
-    return floors_->read(device_, timer_);
+    run(last_.lumelsLit, last_.lumelsDerived);
+    return floors_->read(device_, own().timer);
 }
 
 } // namespace lumel

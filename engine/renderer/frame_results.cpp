@@ -4,50 +4,60 @@
 
 namespace lumel {
 
-void Renderer::countLumels(const Frame& frame)
+// Of a frame in texture space that has finished.
+void Renderer::countLumels(InFlight& own)
 {
-    if (frame.feedback.empty()) { // settled
-        stats_.lumelsKept = known_.lumelsMarked;
+    FrameStats& stats = own.stats;
+    if (!own.planned) { // settled
+        stats.lumelsKept = known_.lumelsMarked;
     } else {
-        const shared::Plan& plan = plan_.read();
+        const shared::Plan& plan = lastPlan_ = plan_.read(own.place);
         if (plan.dropped > 0)
             spdlog::error("{} entries exceeded the tile lists; report this", plan.dropped);
         const auto lumels = [](uint32_t quads) { return size_t(quads) * shared::kQuadLumels; };
         known_.lumelsMarked = lumels(plan.quadsMarked);
-        known_.tilesMarked = tilesMarked_ = plan.marked;
-        plan_.surfaces().taken(plan.surfacesTaken);
-        lumelsPending_ = lumels(plan.quadsPending);
-        stats_.lumelsLit = lumels(plan.quadsLit);
-        stats_.lumelsDerived = lumels(plan.quadsDerived);
-        stats_.lumelsPending = lumels(plan.quadsPending);
-        stats_.tilesLit = plan.tilesLit;
-        stats_.lumelsKept =
-            known_.lumelsMarked - std::min(known_.lumelsMarked, stats_.lumelsLit + stats_.lumelsDerived);
+        known_.tilesMarked = own.tilesMarked = plan.marked;
+        stats.lumelsLit = lumels(plan.quadsLit);
+        stats.lumelsDerived = lumels(plan.quadsDerived);
+        stats.lumelsPending = own.lumelsPending = lumels(plan.quadsPending);
+        stats.tilesLit = plan.tilesLit;
+        stats.lumelsKept =
+            known_.lumelsMarked - std::min(known_.lumelsMarked, stats.lumelsLit + stats.lumelsDerived);
     }
-    stats_.lumelsMarked = known_.lumelsMarked;
-    stats_.tilesMarked = known_.tilesMarked;
-    stats_.pixelsCovered = known_.pixelsCovered;
-    stats_.levelBias = residency_.levelBias();
-    stats_.levelOffset = detail_ ? detail_->levelOffset : 0.0f;
-    stats_.anisotropy = detail_ ? detail_->anisotropy : 1.0f;
+    stats.lumelsMarked = known_.lumelsMarked;
+    stats.tilesMarked = known_.tilesMarked;
 }
 
-void Renderer::countFrame(const Frame& frame)
+// Of a frame that is recorded.
+void Renderer::countFrame(const Frame& frame, InFlight& own)
 {
-    if (settings_.shading == Shading::tsl)
-        countLumels(frame);
-    stats_.exposure = settings_.exposure;
-    stats_.renderScale = quality_.renderScale;
-    stats_.budgetBias = quality_.levelBias;
-    stats_.lumelBudget = frame.lumelBudget;
-    stats_.poolUsedBytes = pool_.bookkeeping().usedBytes();
-    stats_.surfaceBytes = plan_.surfaces().bytes();
-    stats_.poolCapBytes = pool_.bookkeeping().capBytes();
-    stats_.memory = device_.memory().report();
-    stats_.poolTextures = pool_.bookkeeping().textureCount();
+    own.place = frame.place;
+    own.frame = frame.index;
+    own.late = frame.late;
+    own.planned = !frame.feedback.empty();
+    own.unread = true;
+    own.divisor = feedback_.divisor();
+    own.quality = quality_;
+    own.dynamicInView = dynamicInView_;
+    FrameStats& stats = own.stats;
+    if (settings_.shading == Shading::tsl) {
+        stats.pixelsCovered = known_.pixelsCovered;
+        stats.levelBias = residency_.levelBias();
+        stats.levelOffset = detail_ ? detail_->levelOffset : 0.0f;
+        stats.anisotropy = detail_ ? detail_->anisotropy : 1.0f;
+    }
+    stats.exposure = settings_.exposure;
+    stats.renderScale = quality_.renderScale;
+    stats.budgetBias = quality_.levelBias;
+    stats.lumelBudget = frame.lumelBudget;
+    stats.poolUsedBytes = pool_.bookkeeping().usedBytes();
+    stats.surfaceBytes = plan_.surfaces().bytes();
+    stats.poolCapBytes = pool_.bookkeeping().capBytes();
+    stats.memory = device_.memory().report();
+    stats.poolTextures = pool_.bookkeeping().textureCount();
     for (size_t i = 0; i < frame.inView.size(); ++i) {
         const bool lit = i < residency_.objects().size() && residency_.objects()[i].texture;
-        ++(frame.inView[i] ? (lit ? stats_.objectsTsl : stats_.objectsForward) : stats_.objectsCulled);
+        ++(frame.inView[i] ? (lit ? stats.objectsTsl : stats.objectsForward) : stats.objectsCulled);
     }
 }
 
@@ -60,16 +70,17 @@ std::vector<ObjectStats> Renderer::objectStats() const
         if (i >= knownFeedback_.size() || !knownFeedback_[i].visible)
             continue;
         objects[i].level = knownFeedback_[i].level;
-        objects[i].pixels = size_t(knownFeedback_[i].samples) * feedback_.divisor() * feedback_.divisor();
+        objects[i].pixels = size_t(knownFeedback_[i].samples) * knownDivisor_ * knownDivisor_;
     }
     return objects;
 }
 
-std::map<uint32_t, size_t> Renderer::lumelsByTileSize() const
+std::map<uint32_t, size_t> Renderer::lumelsByTileSize()
 {
+    finish();
     if (settings_.shading != Shading::tsl)
         return {};
-    return plan_.lumelsByTileSize(device_);
+    return plan_.lumelsByTileSize(device_, lastPlan_);
 }
 
 Image Renderer::readRadiance() const

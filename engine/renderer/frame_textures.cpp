@@ -13,7 +13,9 @@ bool Renderer::isStill(const Frame& frame) const
 // Nothing to find, to light or to fade: every pixel of the still view was looked at.
 bool Renderer::isSettled(const Frame& frame) const
 {
-    return isStill(frame) && offsetsSeen_ >= FeedbackPass::kCycle && lumelsPending_ == 0 &&
+    // Of frames in flight it is not known yet what they left.
+    const uint32_t unknown = frame.index - 1 - std::min(knownFrame_, frame.index - 1);
+    return isStill(frame) && offsetsSeen_ >= FeedbackPass::kCycle + unknown && lumelsPending_ == 0 &&
            residency_.steady();
 }
 
@@ -27,23 +29,41 @@ uint32_t Renderer::sampleSpacing(const Frame& frame) const
     return moves && (!changes || !quality_.samePicture({})) ? FeedbackPass::kSparse : FeedbackPass::kDense;
 }
 
+// This frame's, waited for.
+void Renderer::findFeedback(Frame& frame, uint32_t spacing)
+{
+    const auto read = [&] {
+        latest_ = feedback_.read(frame.place);
+        latest_.frame = frame.index;
+        latest_.divisor = spacing;
+    };
+    feedback_.record(frame, spacing);
+    submitAndWait(frame);
+    read();
+    if (!chooseDetail(frame))
+        return;
+    feedback_.recount(frame); // the same samples once more, at that detail
+    submitAndWait(frame);
+    read();
+}
+
 // How finely is the view to be lit? Known levels are those of the frame before's detail, which changes
 // slowly: only after the first detail of all are the samples to be counted once more. Then true.
 bool Renderer::chooseDetail(Frame& frame)
 {
     float pixels = 0.0f;
-    for (const tsl::ObjectFeedback& object : frame.feedback)
-        pixels += object.lightable ? float(object.samples) : 0.0f;
+    for (size_t i = 0; i < latest_.objects.size(); ++i)
+        pixels += scene_.objects()[i].texelMap ? float(latest_.objects[i].samples) : 0.0f;
     const tsl::Detail finest{settings_.levelOffset, settings_.anisotropy};
     const bool first = !detail_;
-    detail_ = tsl::detailFor(frame.elongations, pixels, finest, settings_.lumelsPerPixel, detail_);
+    detail_ = tsl::detailFor(latest_.elongations, pixels, finest, settings_.lumelsPerPixel, detail_);
     frame.detail = *detail_;
     frame.detail.levelOffset += quality_.levelBias;
     writeView(frame);
     return first && *detail_ != finest;
 }
 
-void Renderer::assignTextures(Frame& frame)
+void Renderer::assignTextures(Frame& frame, uint32_t spacing)
 {
     for (tsl::ObjectFeedback& object : frame.feedback) {
         object.level += frame.detail.levelOffset;
@@ -54,24 +74,33 @@ void Renderer::assignTextures(Frame& frame)
     // Under the memory cap textures in view come first, then cached surfaces, then textures out of view.
     tsl::TexturePool& textures = pool_.bookkeeping();
     textures.leaveFree(std::min(SurfaceCache::roomFor(tilesMarked_), textures.capBytes() / 2));
-    residency_.assign(textures, frame.feedback, frame.index);
-    plan_.surfaces().reserve(tilesMarked_,
+    residency_.assign(textures, frame.feedback, frame.index, frame.late);
+    plan_.surfaces().reserve(ring_, tilesMarked_,
                              textures.capBytes() - std::min(textures.usedBytes(), textures.capBytes()));
-    pool_.update();
+    pool_.update(ring_);
     plan_.prepare(frame, pool_);
     knownFeedback_ = frame.feedback;
-    known_ = {};
+    knownDivisor_ = latest_.divisor;
+    known_.pixelsCovered = 0;
     for (size_t i = 0; i < frame.feedback.size(); ++i)
         if (residency_.objects()[i].texture)
-            known_.pixelsCovered += frame.feedback[i].samples * feedback_.divisor() * feedback_.divisor();
-    // What has changed is lit again where this frame's samples see it: the other offsets find the rest.
-    if (!isStill(frame))
-        offsetsSeen_ = 0;
-    offsetsSeen_ +=
-        feedback_.divisor() == 1 ? FeedbackPass::kCycle : feedback_.divisor() == FeedbackPass::kDense;
+            known_.pixelsCovered += frame.feedback[i].samples * latest_.divisor * latest_.divisor;
+    noteOffsets(frame, spacing);
     knownView_ = frame.clipFromWorld;
     knownQuality_ = quality_;
     knownChange_ = frame.index;
+}
+
+// What has changed is lit again where this frame's samples see it: the other offsets find the rest.
+void Renderer::noteOffsets(const Frame& frame, uint32_t spacing)
+{
+    if (!isStill(frame))
+        stillSince_ = frame.index;
+    // So are textures that are new.
+    const bool changes = frame.late && (latest_.frame < stillSince_ || residency_.anyFresh());
+    if (stillSince_ == frame.index || changes)
+        offsetsSeen_ = 0;
+    offsetsSeen_ += spacing == 1 ? FeedbackPass::kCycle : spacing == FeedbackPass::kDense;
 }
 
 } // namespace lumel

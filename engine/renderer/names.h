@@ -11,6 +11,7 @@ inline constexpr std::array kModelNames{"blinn-phong", "ashikhmin-shirley"};    
 inline constexpr std::array kDrawFilterNames{"bilinear", "b-spline", "catmull-rom", "catmull-rom-16",
                                              "quadratic"};
 inline constexpr std::array kToneMapNames{"neutral", "aces", "clamp"};
+inline constexpr std::array kResidencyNames{"exact", "latest"};
 inline constexpr std::array kViewNames{"none",    "level",    "age",    "lit",         "density",
                                        "mode",    "charts",   "normal", "power",       "anisotropy",
                                        "diffuse", "specular", "error",  "overshading", "pool"};

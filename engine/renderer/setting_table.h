@@ -142,6 +142,19 @@ inline constexpr std::tuple kSettings{
         .unit = "ms",
         .widget =
             {.panel = Panel::lumels, .label = "Frame budget", .format = "%.0f ms", .least = 0, .most = 200}},
+    Setting<ResidencyFrom>{
+        .member = &Settings::residency,
+        .name = "residency",
+        .help = "whose needs lit textures are assigned by: exact, those of the frame that is drawn, which "
+                "waits until it knows them; latest, those of an earlier frame, so that none waits",
+        .shadings = kRealTime,
+        .values = kResidencyNames},
+    Setting<uint32_t>{.member = &Settings::framesInFlight,
+                      .name = "frames-in-flight",
+                      .help = "frames that are begun before the first has finished, with --residency latest",
+                      .shadings = kRealTime,
+                      .least = 1,
+                      .most = 3},
     Setting<float>{.member = &Settings::levelOffset,
                    .name = "level-offset",
                    .help = "MIP levels by which lumels are coarser than one per pixel, at least",

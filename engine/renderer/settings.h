@@ -17,6 +17,10 @@ enum class DrawFilter {
     quadratic
 }; // same order as kFilter...
 
+// Whose feedback decides which lit texture each object draws: the frame's own, which is waited for, or that
+// of the latest frame that is known to have finished.
+enum class ResidencyFrom { exact, latest };
+
 // What is shown in place of the picture; same order as kView...
 enum class View {
     none,
@@ -62,6 +66,8 @@ struct Settings {
     float refreshShare = 0.155f;     // of the marked lumels, lit again per frame because the eye moved
     float tolerance = 0.5f / 255.0f; // display value: tiles expected to change less are kept
     double budgetMs = 0.0;           // to hold a frame's time within; 0 = none
+    ResidencyFrom residency = ResidencyFrom::exact;
+    uint32_t framesInFlight = 2; // that the CPU is ahead of the device at most, where residency is not exact
 };
 
 } // namespace lumel

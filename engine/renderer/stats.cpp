@@ -46,6 +46,7 @@ json frameJson(const FrameStats& f)
               {"textures", f.poolTextures}}},
             {"memory", memoryJson(f.memory)},
             {"host_waits", f.hostWork.waits},
+            {"ring_waits", f.hostWork.ringWaits},
             {"uploaded_bytes", f.hostWork.uploadedBytes},
             {"pipelines_created", f.hostWork.pipelinesCreated},
             {"objects", {{"tsl", f.objectsTsl}, {"forward", f.objectsForward}, {"culled", f.objectsCulled}}},

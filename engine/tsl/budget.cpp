@@ -122,9 +122,9 @@ void BudgetController::moveScale(double target)
     }
 }
 
-void BudgetController::moveLevelBias(const FrameCost& cost)
+void BudgetController::moveLevelBias(const FrameCost& cost, const Quality& quality)
 {
-    const double wait = double(cost.lumelsPending) / double(std::min(quality_.lumels, cost.lumelsAllowed));
+    const double wait = double(cost.lumelsPending) / double(std::min(quality.lumels, cost.lumelsAllowed));
     latency_ += 0.2 * (std::min(wait, 4.0 * kLongWait) - latency_);
     float& bias = quality_.levelBias;
     if (latency_ > kLongWait)
@@ -154,11 +154,11 @@ void BudgetController::moveDynamic(const FrameCost& cost, double target)
     }
 }
 
-void BudgetController::finished(const FrameCost& cost)
+void BudgetController::finished(const FrameCost& cost, const Quality& quality)
 {
-    model_.learn(cost, quality_);
+    model_.learn(cost, quality);
     const double target = budget_ / model_.excess();
-    moveLevelBias(cost);
+    moveLevelBias(cost, quality);
     moveDynamic(cost, target);
     moveScale(target);
     allotLumels(target);

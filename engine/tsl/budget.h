@@ -73,8 +73,9 @@ public:
     explicit BudgetController(double budgetMs); // > 0
 
     const Quality& quality() const { return quality_; } // for the next frame
-    // `cost`: of a frame rendered at quality().
-    void finished(const FrameCost& cost);
+    // `cost`: of a frame rendered at `quality`, which quality() gave, maybe a few frames ago.
+    void finished(const FrameCost& cost, const Quality& quality);
+    void finished(const FrameCost& cost) { finished(cost, quality_); }
 
     // The budget has been out of reach for a while with every knob at its end.
     bool outOfReach() const { return framesAtFloor_ >= 3 * kPatience; } // what waits has been lit by then
@@ -85,7 +86,7 @@ private:
     static constexpr int kMostPatience = 240;
     float scaleFor(double ms) const;
     void moveScale(double target);
-    void moveLevelBias(const FrameCost& cost);
+    void moveLevelBias(const FrameCost& cost, const Quality& quality);
     void moveDynamic(const FrameCost& cost, double target);
     void allotLumels(double target);
 

@@ -9,6 +9,8 @@ namespace {
 
 constexpr uint64_t kDynamicTurns = 24; // frames
 constexpr float kFadeStep = 1.0f / float(shared::kFadeFrames);
+// Of objects that have just come to light: while they fade, both their ways are drawn.
+constexpr float kEnterStep = 2.0f * kFadeStep;
 
 glm::uvec2 textureSize(const ObjectFeedback& feedback, uint32_t litLevel)
 {
@@ -42,9 +44,9 @@ float lumelsAcross(const ObjectFeedback& feedback)
     return float(std::max(feedback.litSize.x, feedback.litSize.y)) * std::exp2(-feedback.level);
 }
 
-float towards(float value, float target)
+float towards(float value, float target, float step = kFadeStep)
 {
-    return value < target ? std::min(value + kFadeStep, target) : std::max(value - kFadeStep, target);
+    return value < target ? std::min(value + step, target) : std::max(value - step, target);
 }
 
 } // namespace
@@ -95,6 +97,20 @@ void Residency::take(TexturePool& pool, const ObjectFeedback& feedback, size_t o
     resident.litLevel = level;
 }
 
+// The object has come into view, and no sample of it is known yet: it goes on with the texture that it had.
+void Residency::enter(TexturePool& pool, const ObjectFeedback& feedback, size_t object, uint64_t frame)
+{
+    ObjectResidency& resident = objects_[object];
+    const TextureId texture = pool.latestOf(int(object));
+    if (!texture ||
+        pool.blocks()[size_t(texture.block)].size != textureSize(feedback, pool.texture(texture).litLevel))
+        return;
+    resident.texture = texture;
+    resident.litLevel = pool.texture(texture).litLevel;
+    resident.share = 1.0f;
+    pool.touch(texture, frame);
+}
+
 void Residency::assignObject(TexturePool& pool, const ObjectFeedback& feedback, size_t object, uint64_t frame)
 {
     ObjectResidency& resident = objects_[object];
@@ -102,21 +118,27 @@ void Residency::assignObject(TexturePool& pool, const ObjectFeedback& feedback, 
     resident.previous = {};
     if (!feedback.inView || !feedback.lightable) {
         resident = {};
-        known_[object] = feedback.inView;
+        known_[object] = feedback.inView ? kSeen : kUnknown;
         return;
     }
     resident.finest = towards(resident.finest, 0.0f);
+    if (late_ && known_[object] == kUnknown) {
+        enter(pool, feedback, object, frame);
+        known_[object] = kEntered;
+    }
     if (!feedback.visible) // no sample met it: it keeps what it has
         return;
     const float across = lumelsAcross(feedback);
-    const bool away = resident.share < 1.0f && known_[object];
+    const bool away = resident.share < 1.0f && known_[object] == kSeen;
     // Dynamic objects leave a few at a time: while one fades, both its ways are drawn.
-    const bool turn = away || !known_[object] || (object + frame) % kDynamicTurns == 0;
+    const bool turn = away || known_[object] != kSeen || (object + frame) % kDynamicTurns == 0;
     const bool leaves = across < (away ? kReturn : kLeave) || (feedback.dynamic && turn) ||
                         feedback.level > feedback.coarsest + (away ? kReturnLevel : kLeaveLevel);
     const float target = leaves ? 0.0f : 1.0f;
-    resident.share = known_[object] ? towards(resident.share, target) : target;
-    known_[object] = 1;
+    const float step = known_[object] == kEntered ? kEnterStep : kFadeStep;
+    resident.share = known_[object] == kUnknown ? target : towards(resident.share, target, step);
+    if (known_[object] != kEntered || resident.share == target)
+        known_[object] = kSeen;
     if (resident.share > 0.0f)
         take(pool, feedback, object, frame);
     else
@@ -126,8 +148,14 @@ void Residency::assignObject(TexturePool& pool, const ObjectFeedback& feedback, 
     steady_ = steady_ && resident.share == (resident.texture ? target : 0.0f) && resident.finest == 0.0f;
 }
 
-void Residency::assign(TexturePool& pool, std::span<const ObjectFeedback> feedback, uint64_t frame)
+bool Residency::anyFresh() const
 {
+    return std::ranges::any_of(objects_, &ObjectResidency::fresh);
+}
+
+void Residency::assign(TexturePool& pool, std::span<const ObjectFeedback> feedback, uint64_t frame, bool late)
+{
+    late_ = late;
     objects_.resize(feedback.size());
     known_.resize(feedback.size());
     levelBias_ = biasForCap(feedback, pool.capBytes());

@@ -44,19 +44,28 @@ class Residency {
 public:
     // Allocates textures for all. When the cap binds, all objects move coarser together, by eighths of a
     // level; one that still does not fit takes a coarser texture, and is drawn forward if there is none.
-    void assign(TexturePool& pool, std::span<const ObjectFeedback> feedback, uint64_t frame);
+    // late: the feedback is of an earlier frame. Objects that are seen by then have been drawn forward since,
+    // unless the pool still has a texture of theirs.
+    void assign(TexturePool& pool, std::span<const ObjectFeedback> feedback, uint64_t frame,
+                bool late = false);
 
     const std::vector<ObjectResidency>& objects() const { return objects_; }
     float levelBias() const { return levelBias_; } // levels that everything gave up because the cap binds
     bool steady() const { return steady_; }        // nothing fades
+    bool anyFresh() const;                         // an object has got a texture
 
 private:
     void assignObject(TexturePool& pool, const ObjectFeedback& feedback, size_t object, uint64_t frame);
+    void enter(TexturePool& pool, const ObjectFeedback& feedback, size_t object, uint64_t frame);
     void take(TexturePool& pool, const ObjectFeedback& feedback, size_t object, uint64_t frame);
     std::vector<ObjectResidency> objects_;
-    std::vector<uint8_t> known_; // seen before: changes fade
+    // kEntered: drawn, by what there was, before it was known how; kSeen: by what a sample saw of it. Changes
+    // fade in either case.
+    enum Known : uint8_t { kUnknown, kEntered, kSeen };
+    std::vector<Known> known_;
     float levelBias_ = 0.0f;
     bool steady_ = false;
+    bool late_ = false;
 };
 
 } // namespace lumel::tsl

@@ -103,6 +103,8 @@ static SceneArguments argumentsOf(size_t side, const ViewRenderers& renderers, c
     SceneArguments a = given;
     a.settings = renderers.settings(side);
     a.settings.budgetMs = 0.0; // its quality depends on the machine's load
+    a.settings.residency = ResidencyFrom::exact;
+    a.settings.framesInFlight = Settings().framesInFlight;
     if (a.settings.shading == Shading::reference)
         a.settings.samples = renderers.samples(side);
     a.filter = renderers.method(side);
@@ -135,7 +137,7 @@ void Viewer::copyCommand()
     ask([this, state = state_, given = SceneArguments(arguments_)](ViewRenderers& renderers) {
         std::string text;
         for (size_t side = 0; side < (state.split ? 2u : 1u); ++side) {
-            if (!renderers.picture(side))
+            if (!renderers.shown(side))
                 throw Error("nothing has been rendered yet; try again");
             const char* const name = !state.split ? "lumel.png"
                                      : side == 0  ? "lumel-left.png"
@@ -161,7 +163,7 @@ void Viewer::takeScreenshot(const char* extension)
          given = SceneArguments(arguments_)](ViewRenderers& renderers) {
         std::string commands, names;
         for (size_t side = 0; side < (state.split ? 2u : 1u); ++side) {
-            if (!renderers.picture(side))
+            if (!renderers.shown(side))
                 throw Error("nothing has been rendered yet; try again");
             const char* const suffix = !state.split ? "" : side == 0 ? "-left" : "-right";
             const std::filesystem::path file = stem + suffix + extension;

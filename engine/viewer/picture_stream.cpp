@@ -39,16 +39,16 @@ vk::BufferImageCopy wholeOf(vk::Extent2D size)
 
 } // namespace
 
-void PictureStream::write(const gpu::Image& picture)
+void PictureStream::write(Renderer& from)
 {
-    copy(picture);
+    copy(from);
     publish();
 }
 
-void PictureStream::fadeTo(const gpu::Image& picture, const std::function<bool()>& next)
+void PictureStream::fadeTo(Renderer& renderer, const std::function<bool()>& next)
 {
     constexpr int kSteps = 6;
-    const vk::Extent2D size = picture.extent();
+    const vk::Extent2D size = renderer.display().extent();
     const size_t bytes = bytesOf(size);
     std::vector<uint8_t> from;
     {
@@ -57,7 +57,7 @@ void PictureStream::fadeTo(const gpu::Image& picture, const std::function<bool()
         if (throughHost() && last.size == size)
             from.assign(last.bytes.read<uint8_t>(), last.bytes.read<uint8_t>() + bytes);
     }
-    copy(picture);
+    copy(renderer);
     if (from.empty()) {
         publish();
         return;
@@ -73,34 +73,49 @@ void PictureStream::fadeTo(const gpu::Image& picture, const std::function<bool()
             mixed[i] = uint8_t((from[i] * (kSteps - step) + to[i] * step) / kSteps);
         publish();
     }
-    copy(picture);
+    copy(renderer);
     publish();
 }
 
-void PictureStream::copy(const gpu::Image& picture)
+// The window's commands come later on the same queue: nobody waits.
+void PictureStream::copyOnDevice(Renderer& from, Slot& slot)
+{
+    if (!*slot.commands) {
+        slot.commands = renders_.makeCommands();
+        slot.fence = vk::raii::Fence(renders_.handle(), vk::FenceCreateInfo{});
+    }
+    if (std::exchange(slot.pending, false))
+        renders_.wait(*slot.fence); // of a few frames ago
+    fit(renders_, slot.image, slot.size);
+    const vk::CommandBuffer commands = *slot.commands;
+    commands.begin(vk::CommandBufferBeginInfo{.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+    gpu::imageBarrier(commands, slot.image.handle(), kColour, gpu::Use::undefined, gpu::Use::transferWrite);
+    commands.copyImage(from.display().handle(), vk::ImageLayout::eTransferSrcOptimal, slot.image.handle(),
+                       vk::ImageLayout::eTransferDstOptimal,
+                       vk::ImageCopy{.srcSubresource = kLayers,
+                                     .dstSubresource = kLayers,
+                                     .extent = {slot.size.width, slot.size.height, 1}});
+    gpu::imageBarrier(commands, slot.image.handle(), kColour, gpu::Use::transferWrite,
+                      gpu::Use::transferRead);
+    commands.end();
+    from.submitCopy(commands, *slot.fence);
+    slot.pending = true;
+}
+
+void PictureStream::copy(Renderer& from)
 {
     Slot& slot = slots_[written_];
+    const gpu::Image& picture = from.display();
     slot.size = picture.extent();
-    if (throughHost())
-        fit(renders_, slot.bytes, bytesOf(slot.size), gpu::MemoryUsage::readback);
-    else
-        fit(renders_, slot.image, slot.size);
+    if (!throughHost()) {
+        copyOnDevice(from, slot);
+        return;
+    }
+    fit(renders_, slot.bytes, bytesOf(slot.size), gpu::MemoryUsage::readback);
     renders_.runOnce([&](vk::CommandBuffer commands) {
-        if (throughHost()) {
-            commands.copyImageToBuffer(picture.handle(), vk::ImageLayout::eTransferSrcOptimal,
-                                       slot.bytes.handle(), wholeOf(slot.size));
-            gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::hostRead);
-            return;
-        }
-        gpu::imageBarrier(commands, slot.image.handle(), kColour, gpu::Use::undefined,
-                          gpu::Use::transferWrite);
-        commands.copyImage(picture.handle(), vk::ImageLayout::eTransferSrcOptimal, slot.image.handle(),
-                           vk::ImageLayout::eTransferDstOptimal,
-                           vk::ImageCopy{.srcSubresource = kLayers,
-                                         .dstSubresource = kLayers,
-                                         .extent = {slot.size.width, slot.size.height, 1}});
-        gpu::imageBarrier(commands, slot.image.handle(), kColour, gpu::Use::transferWrite,
-                          gpu::Use::transferRead);
+        commands.copyImageToBuffer(picture.handle(), vk::ImageLayout::eTransferSrcOptimal,
+                                   slot.bytes.handle(), wholeOf(slot.size));
+        gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::hostRead);
     });
 }
 

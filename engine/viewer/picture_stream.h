@@ -1,7 +1,7 @@
 // A side's pictures on their way from the thread that renders to the window: copies, of which the window
 // shows the last finished one while the next is rendered.
 #pragma once
-#include "gpu/resource.h"
+#include "renderer/frame.h"
 #include <array>
 #include <functional>
 #include <mutex>
@@ -13,12 +13,13 @@ public:
     // Where the devices differ, pictures go through host memory.
     PictureStream(const gpu::Device& renders, const gpu::Device& shows) : renders_(renders), shows_(shows) {}
 
-    // On the thread that renders. `picture`: RGBA8, in use transferRead. Waits for the copy.
-    void write(const gpu::Image& picture);
+    // On the thread that renders: the picture of the renderer's last frame, RGBA8. Waits for the copy only
+    // where pictures go through host memory.
+    void write(Renderer& from);
     // The same, for a picture of the same view in another quality: it takes the last one's place bit by bit,
     // a step at each call of `next` until that says no. Where pictures do not go through host memory, a
     // budget costs little quality, and the picture is replaced at once.
-    void fadeTo(const gpu::Image& picture, const std::function<bool()>& next);
+    void fadeTo(Renderer& from, const std::function<bool()>& next);
     bool fresh() const; // there is one that has not been shown
     // On the window's thread: the last one written, in use transferRead until the next call; null: none.
     const gpu::Image* latest();
@@ -26,12 +27,16 @@ public:
 
 private:
     struct Slot {
-        gpu::Image image;  // of one device for both
-        gpu::Buffer bytes; // else
+        gpu::Image image; // of one device for both, with its copy's
+        vk::raii::CommandBuffer commands = nullptr;
+        vk::raii::Fence fence = nullptr;
+        bool pending = false; // submitted and not waited for
+        gpu::Buffer bytes;    // else
         vk::Extent2D size;
     };
     bool throughHost() const { return &renders_ != &shows_; }
-    void copy(const gpu::Image& picture);
+    void copy(Renderer& from);
+    void copyOnDevice(Renderer& from, Slot& slot);
     void publish();
     void upload(const Slot& slot);
 

@@ -168,6 +168,7 @@ bool ViewRenderers::renderExact(Slot& slot, const ui::ViewState& state, Progress
 {
     Settings settings = slot.renderer->settings();
     settings.budgetMs = 0.0;
+    settings.residency = ResidencyFrom::exact;
     if (!slot.exact) {
         slot.exact = std::make_unique<Renderer>(device_, *scene_, resourcesOf(slot.method), settings);
         slot.exact->submitPassesAlone();
@@ -372,10 +373,10 @@ void ViewRenderers::measure(const ui::ViewState& state, SceneReport& report)
     report.referenceSamples = measuredSamples_ = samples;
 }
 
-const gpu::Image* ViewRenderers::picture(size_t side) const
+Renderer* ViewRenderers::shown(size_t side)
 {
     const Slot* slot = rendererOf(side);
-    return slot->rendered ? &shown(*slot).display() : nullptr;
+    return slot->rendered ? &shown(*slot) : nullptr;
 }
 
 Image ViewRenderers::screenshot(const ui::ViewState& state, size_t side, bool radiance)

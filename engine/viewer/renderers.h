@@ -58,8 +58,8 @@ public:
 
     float ambient() const; // sky radiance, as the lights give it
 
-    // The picture of a side, in use transferRead; null before the first one.
-    const gpu::Image* picture(size_t side) const;
+    // Whose picture a side shows; null before the first one.
+    Renderer* shown(size_t side);
     // The picture of a side as a new renderer would render it, display values or radiance. The arguments of
     // the command that does are settings(side) and method(side).
     Image screenshot(const ui::ViewState& state, size_t side, bool radiance);
@@ -103,7 +103,7 @@ private:
     // False when it was stopped.
     bool renderExact(Slot& slot, const ui::ViewState& state, ProgressMonitor* stop);
     static void forgetExact(Slot& slot);
-    static const Renderer& shown(const Slot& slot) { return slot.isExact ? *slot.exact : *slot.renderer; }
+    static Renderer& shown(const Slot& slot) { return slot.isExact ? *slot.exact : *slot.renderer; }
     bool isDone(const Slot& slot) const; // of a side that is no reference
     template<class Change>
     void changeAll(const Change& change); // lights, environment

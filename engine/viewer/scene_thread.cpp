@@ -169,14 +169,14 @@ void SceneThread::copyPictures(size_t sides)
 {
     constexpr auto kStep = std::chrono::milliseconds(30);
     for (size_t side = 0; side < sides; ++side) {
-        const gpu::Image* picture = renderers_.picture(side);
-        if (!picture)
+        Renderer* shown = renderers_.shown(side);
+        if (!shown)
             continue;
         if (!renderers_.refined(side)) {
-            pictures(side).write(*picture);
+            pictures(side).write(*shown);
             continue;
         }
-        pictures(side).fadeTo(*picture, [&] {
+        pictures(side).fadeTo(*shown, [&] {
             wake_();
             std::unique_lock lock(mutex_);
             return !changed_.wait_for(lock, kStep, [this] { return stop_.cancelled.load(); });

@@ -298,6 +298,10 @@ struct Plan {
     uint quadsMarked, quadsLit, quadsDerived, quadsPending; // pending: to be lit in later frames
     uint surfacesTaken; // of the surface cache's numbers
     uint dropped; // entries beyond the capacity of a list; 0, since lists hold all existing tiles
+    // These are kept from frame to frame, so that the CPU need not know them.
+    uint surfacesBefore; // surfacesTaken of the frame before
+    uint surfacesLatest; // the surface cache's last number given by then
+    uint surfacesOldest; // the last one given before its memory was allocated
 };
 
 // A list of tiles for one dispatch: of one block and material or of cached surfaces (light), or of one block and MIP
@@ -401,12 +405,11 @@ struct ShadowPush {
     uint object;
 };
 
-// The surface cache before a frame. It is a ring: the tile of number n > oldest has slot n % capacity, until `capacity`
+// The surface cache. It is a ring: the tile of number n > Plan::surfacesOldest has slot n % capacity, until `capacity`
 // more have got theirs.
 struct SurfaceCacheState {
     uint capacity; // tiles
-    uint oldest;   // the last number given before its memory was allocated
-    uint latest;   // the last number given
+    uint emptied;  // 1: its memory is new
 };
 LUMEL_CONST uint kSurfaceWords = 4u; // of 16 bytes, a lumel
 // A frame gives so many slots of the ring to other tiles at most: what it reads is not among them.

@@ -67,6 +67,23 @@ TEST_F(Bench, EachCombinationIsARunOfTheDocumentedSchema)
     EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 14) << outcome.out;
 }
 
+TEST_F(Bench, SteadyFramesWaitForNoneButTheRings)
+{
+    const auto waits = [&](const std::string& residency, const char* what) {
+        bench({"--size", "32x24", "--frames", "100", "--residency", residency, "--json", "w.json"});
+        const json document = readJson("w.json");
+        int sum = 0;
+        for (const json& frame : document.at("runs").at(0).at("frames"))
+            sum += frame.at(what).get<int>();
+        return sum;
+    };
+    EXPECT_EQ(waits("latest", "host_waits"), 0);
+    EXPECT_GT(waits("latest", "ring_waits"), 90);
+    EXPECT_LE(waits("latest", "ring_waits"), 100) << "one a frame";
+    EXPECT_EQ(waits("exact", "host_waits"), 200);
+    EXPECT_EQ(waits("exact", "ring_waits"), 0);
+}
+
 TEST_F(Bench, ForwardAnisoAloneIsAnisotropic)
 {
     bench({"--shading", "forward,forward-aniso,forward-aniso-average", "--size", "32x24", "--frames", "1",
@@ -113,7 +130,8 @@ TEST_F(Bench, ErrorAndFlickerAreMeasuredWhereAsked)
 {
     bench({"--size", "48x36", "--frames", "5", "--shading", "forward-8,forward", "--samples", "8",
            "--error-every", "2", "--json", "e.json"});
-    for (const json& run : readJson("e.json").at("runs")) {
+    const json document = readJson("e.json"); // which must outlive the loop
+    for (const json& run : document.at("runs")) {
         for (int i = 0; i < 5; ++i)
             EXPECT_EQ(run["frames"][size_t(i)]["error_rmse"].is_null(), i % 2 == 1) << i;
         EXPECT_TRUE(run["summary"]["flicker_rmse"].is_null());

@@ -58,6 +58,7 @@ json formOfRun()
           {"buffers", 0},
           {"staging", 0}}},
         {"host_waits", 0},
+        {"ring_waits", 0},
         {"uploaded_bytes", 0},
         {"pipelines_created", 0},
         {"objects", {{"tsl", 0}, {"forward", 0}, {"culled", 0}}},

@@ -235,8 +235,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(PlanPush, markCapacity);
     EXPECT_OFFSET(PlanPush, surfaces);
     EXPECT_OFFSET(SurfaceCacheState, capacity);
-    EXPECT_OFFSET(SurfaceCacheState, oldest);
-    EXPECT_OFFSET(SurfaceCacheState, latest);
+    EXPECT_OFFSET(SurfaceCacheState, emptied);
     EXPECT_OFFSET(LightPush, plan);
     EXPECT_OFFSET(LightPush, jobs);
     EXPECT_OFFSET(LightPush, tiles);

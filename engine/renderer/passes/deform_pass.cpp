@@ -29,11 +29,10 @@ void DeformPass::record(Frame& frame)
     for (size_t i = 0; i < wanted.size(); ++i) {
         if (!wanted[i])
             continue;
-        const shared::DeformPush& push = meshes.items()[i].push;
+        const shared::DeformPush push = meshes.write(i);
         pushConstants(frame.commands, pipeline_, push);
         constexpr uint32_t kMostGroups = 32768; // a group takes more vertices where there are more
         frame.commands.dispatch(std::min(groupsOf64(push.vertexCount), kMostGroups), 1, 1);
-        meshes.markFresh(i);
     }
     gpu::memoryBarrier(frame.commands, gpu::Use::computeWrite, gpu::Use::general);
 }

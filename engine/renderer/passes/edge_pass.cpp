@@ -20,7 +20,7 @@ bool filtersEdges(const Settings& settings)
            settings.view == View::none;
 }
 
-EdgePass::EdgePass(const gpu::Device& device, const SceneState& scene)
+EdgePass::EdgePass(const gpu::Device& device, const SceneState& scene, const Targets& targets)
     : sampler_(gpu::makeSampler(device, {.filter = vk::Filter::eNearest})),
       layout_(gpu::makeSetLayout(
           device, {vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eStorageImage})),
@@ -33,6 +33,13 @@ EdgePass::EdgePass(const gpu::Device& device, const SceneState& scene)
                                       sizeof(shared::EdgePush))),
       list_(device, sizeof(shared::EdgeList), gpu::Buffer::MemoryUsage::device, "edge list")
 {
+    connect(device, targets);
+}
+
+void EdgePass::connect(const gpu::Device& device, const Targets& targets)
+{
+    gpu::writeSampled(device, *set_, 0, *sampler_, targets.hdr.view(), vk::ImageLayout::eGeneral);
+    gpu::writeStorage(device, *set_, 1, targets.hdr.view());
 }
 
 void EdgePass::record(Frame& frame)
@@ -44,8 +51,6 @@ void EdgePass::record(Frame& frame)
     if (pixels_.size() < capacity * sizeof(shared::EdgePixel))
         pixels_ = gpu::Buffer(frame.device, capacity * sizeof(shared::EdgePixel),
                               gpu::Buffer::MemoryUsage::device, "edge pixels", "use a smaller --size");
-    gpu::writeSampled(frame.device, *set_, 0, *sampler_, hdr.view(), vk::ImageLayout::eGeneral);
-    gpu::writeStorage(frame.device, *set_, 1, hdr.view());
     const shared::EdgeList none{.groups = {0, 1, 1}, .count = 0};
     commands.updateBuffer<shared::EdgeList>(list_.handle(), 0, none);
     gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::computeReadWrite);

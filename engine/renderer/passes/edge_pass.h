@@ -10,7 +10,8 @@ bool filtersEdges(const Settings& settings);
 
 class EdgePass {
 public:
-    EdgePass(const gpu::Device& device, const SceneState& scene);
+    EdgePass(const gpu::Device& device, const SceneState& scene, const Targets& targets);
+    void connect(const gpu::Device& device, const Targets& targets); // whose picture it is to filter
     void record(Frame& frame); // between the draw pass and what reads its picture
 
 private:

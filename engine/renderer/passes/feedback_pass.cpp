@@ -44,10 +44,10 @@ FeedbackPass::FeedbackPass(const gpu::Device& device, glm::uvec2 size, const Sce
                    .color = vk::Format::eR32G32B32A32Uint})),
       count_(gpu::makeComputePipeline(device, "feedback.comp", {*scene.frameSet().layout(), *layout_},
                                       sizeof(shared::FeedbackPush))),
-      list_(device, scene.objects().size()),
-      objects_(device, std::vector(scene.objects().size(), shared::ObjectFeedback{shared::kNotSeen, 0}),
-               "feedback"),
-      total_(device, std::vector{shared::FeedbackTotal{}}, "feedback total")
+      list_(device, scene.objects().size()), objectCount_(scene.objects().size()),
+      objects_(device, std::vector(objectCount_, shared::ObjectFeedback{shared::kNotSeen, 0}), "feedback",
+               gpu::FrameRing::kMostFrames),
+      total_(device, std::vector{shared::FeedbackTotal{}}, "feedback total", gpu::FrameRing::kMostFrames)
 {
     resize(device, size);
 }
@@ -162,27 +162,36 @@ void FeedbackPass::count(Frame& frame)
                                        .object = 0,
                                        .size = samples_});
     dispatchList(frame.commands, samples_.x * samples_.y);
-    gpu::Counters::recordRead(frame.commands, {&objects_, &total_});
+    gpu::Counters::recordRead(frame.commands, {&objects_, &total_}, frame.place);
 }
 
-void FeedbackPass::read(Frame& frame) const
+Feedback FeedbackPass::read(uint32_t place) const
 {
-    const auto* needs = objects_.read<shared::ObjectFeedback>();
+    Feedback found;
+    const auto* needs = objects_.read<shared::ObjectFeedback>(place);
+    found.objects.assign(needs, needs + objectCount_);
+    const auto& total = *total_.read<shared::FeedbackTotal>(place);
+    for (size_t i = 0; i < found.elongations.size(); ++i)
+        found.elongations[i] = float(double(uint64_t(total.carries[i]) << 32 | total.elongations[i]) /
+                                     double(shared::kFeedbackScale));
+    return found;
+}
+
+void FeedbackPass::apply(const Feedback& feedback, Frame& frame)
+{
     const auto& objects = frame.scene.objects();
     frame.feedback.resize(objects.size());
-    for (size_t i = 0; i < objects.size(); ++i)
+    for (size_t i = 0; i < objects.size(); ++i) {
+        const shared::ObjectFeedback& need = feedback.objects[i];
         frame.feedback[i] = {.inView = frame.inView[i] != 0,
-                             .visible = needs[i].level != shared::kNotSeen,
+                             .visible = frame.inView[i] && need.level != shared::kNotSeen,
                              .lightable = objects[i].texelMap != nullptr,
-                             .level = float(needs[i].level) / float(shared::kFeedbackScale) +
-                                      shared::kFeedbackFinest,
-                             .samples = needs[i].samples,
+                             .level =
+                                 float(need.level) / float(shared::kFeedbackScale) + shared::kFeedbackFinest,
+                             .samples = need.samples,
                              .coarsest = objects[i].texelMap ? float(objects[i].texelMap->coarsest) : 0.0f,
                              .litSize = objects[i].data.litSize};
-    const auto& total = *total_.read<shared::FeedbackTotal>();
-    for (size_t i = 0; i < frame.elongations.size(); ++i)
-        frame.elongations[i] = float(double(uint64_t(total.carries[i]) << 32 | total.elongations[i]) /
-                                     double(shared::kFeedbackScale));
+    }
 }
 
 } // namespace lumel

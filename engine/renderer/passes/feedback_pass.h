@@ -6,6 +6,14 @@
 
 namespace lumel {
 
+// What a frame's samples found.
+struct Feedback {
+    uint32_t frame = 0; // 0: none
+    uint32_t divisor = 1;
+    std::vector<shared::ObjectFeedback> objects;
+    tsl::Elongations elongations{};
+};
+
 class FeedbackPass {
 public:
     // Full-size pixels a sample, per axis. Sparse samples are enough where the camera alone moves: what they
@@ -20,8 +28,10 @@ public:
     void record(Frame& frame, uint32_t divisor);
     // The same samples once more, at the frame's anisotropy of now.
     void recount(Frame& frame);
-    // Fills frame.feedback and frame.elongations after the recorded commands have finished.
-    void read(Frame& frame) const;
+    // After the commands that the frame at `place` recorded have finished.
+    Feedback read(uint32_t place) const;
+    // Fills frame.feedback, by what this frame or an earlier one has found.
+    static void apply(const Feedback& feedback, Frame& frame);
 
     // The samples: set 0, binding 0 of `layout`.
     const gpu::SetLayout& layout() const { return layout_; }
@@ -41,6 +51,7 @@ private:
     gpu::Pipeline raster_, count_;
     std::map<uint32_t, gpu::Pipeline> masks_; // by kFeature..., made when first needed
     DrawList list_;
+    size_t objectCount_;
     gpu::Counters objects_, total_;
 };
 

@@ -29,6 +29,7 @@ struct Frame {
     const gpu::Device& device;
     vk::CommandBuffer commands;
     gpu::Timer& timer;
+    gpu::FrameRing& ring;
     SceneState& scene;
     Targets& targets;
     const Settings& settings;
@@ -36,9 +37,10 @@ struct Frame {
     glm::mat4 clipFromWorld{1.0f};
     glm::vec3 eye{0.0f};
     uint32_t index = 0;                        // from 1
+    uint32_t place = 0;                        // in what frames in flight have one each of
+    bool late = false;                         // textures are assigned by the feedback of an earlier frame
     std::vector<uint8_t> inView;               // per object: its bounds meet the view
     std::vector<tsl::ObjectFeedback> feedback; // per object, from the feedback pass
-    tsl::Elongations elongations{};            // of the view, from the feedback pass
     tsl::Detail detail;                        // how finely lumels are lit, the frame budget's bias among it
     uint32_t lumelBudget = ~0u;                // lumels to light at most
     tsl::Residency& residency;                 // per object, its lit texture

@@ -59,7 +59,7 @@ void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& p
     const uint32_t lights = frame.scene.lights().features();
     for (uint32_t i = 0; i < plan.lightJobs().size(); ++i) {
         const PlanPass::LightJob& job = plan.lightJobs()[i];
-        if (!job.material && surfaces.state().capacity == 0)
+        if (!job.material && surfaces.capacity() == 0)
             continue;
         const uint32_t features = lights | featuresOf(job);
         const gpu::Pipeline& light = job.material ? lightPipeline(frame, pool, features)

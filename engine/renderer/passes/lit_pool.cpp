@@ -35,7 +35,17 @@ LitBlock LitPool::make(glm::uvec2 size) const
     return block;
 }
 
-void LitPool::update()
+void LitPool::free(gpu::FrameRing& ring)
+{
+    size_t bytes = pool_.usedBytes();
+    for (const auto& [lastUse, block] : givenUp_)
+        bytes += lastUse > ring.finished() ? block.layout.blockBytes() : 0;
+    if (bytes > pool_.capBytes())
+        ring.waitForAll();
+    std::erase_if(givenUp_, [&](const auto& entry) { return entry.first <= ring.finished(); });
+}
+
+void LitPool::update(gpu::FrameRing& ring)
 {
     const auto& wanted = pool_.blocks();
     blocks_.resize(wanted.size());
@@ -44,9 +54,10 @@ void LitPool::update()
     const auto fits = [&](size_t i) { return blocks_[i].layout.size == wanted[i].size; };
     for (size_t i = 0; i < wanted.size(); ++i)
         if (blocks_[i] && !fits(i)) {
-            blocks_[i] = {};
+            givenUp_.emplace_back(ring.submitted(), std::exchange(blocks_[i], {}));
             prepared_[i] = 0;
         }
+    free(ring);
     for (size_t i = 0; i < wanted.size(); ++i)
         if (!wanted[i].textures.empty() && !blocks_[i])
             blocks_[i] = make(wanted[i].size);
@@ -56,6 +67,7 @@ void LitPool::clear(size_t capBytes)
 {
     pool_ = tsl::TexturePool(capBytes);
     blocks_.clear();
+    givenUp_.clear();
     prepared_.clear();
 }
 

@@ -24,8 +24,9 @@ public:
 
     tsl::TexturePool& bookkeeping() { return pool_; }
     const tsl::TexturePool& bookkeeping() const { return pool_; }
-    // Makes and frees blocks so that they match the bookkeeping. Call when no frame is in flight.
-    void update();
+    // Makes and frees blocks so that they match the bookkeeping. What frames in flight may use is freed once
+    // they have finished; where memory would pass the cap by then, this waits for them.
+    void update(gpu::FrameRing& ring);
     // Gives all textures up. Call when no frame is in flight.
     void clear(size_t capBytes);
     // Empties textures that changed hands, taking over lumels of levels that the owner had lit before.
@@ -38,13 +39,15 @@ public:
 
 private:
     LitBlock make(glm::uvec2 size) const;
+    void free(gpu::FrameRing& ring);
     void recordTakeover(vk::CommandBuffer commands, const tsl::ObjectResidency& resident) const;
     const gpu::Device& device_;
     tsl::TexturePool pool_;
     gpu::SetLayout layout_;
     vk::raii::Sampler sampler_;
-    std::vector<LitBlock> blocks_;  // parallel to the bookkeeping's
-    std::vector<uint8_t> prepared_; // block has left the undefined layout
+    std::vector<LitBlock> blocks_;                       // parallel to the bookkeeping's
+    std::vector<uint8_t> prepared_;                      // block has left the undefined layout
+    std::vector<std::pair<uint64_t, LitBlock>> givenUp_; // with the last submission that may use it
 };
 
 } // namespace lumel

@@ -6,11 +6,15 @@ namespace lumel {
 namespace {
 
 // Makes the buffer at least this large; grows by half more, so that a steady view allocates nothing.
-void reserve(const gpu::Device& device, gpu::Buffer& buffer, size_t bytes,
-             gpu::Buffer::MemoryUsage memoryUsage, const char* name)
+// What held less may be in use until the frames in flight have finished.
+void reserve(Frame& frame, gpu::Buffer& buffer, size_t bytes, gpu::Buffer::MemoryUsage memoryUsage,
+             const char* name)
 {
-    if (bytes > buffer.size())
-        buffer = gpu::Buffer(device, bytes + bytes / 2, memoryUsage, name);
+    if (bytes <= buffer.size())
+        return;
+    if (buffer)
+        frame.ring.waitForAll();
+    buffer = gpu::Buffer(frame.device, bytes + bytes / 2, memoryUsage, name);
 }
 
 // Lumels around a point that the draw filter reads: the centres of the outermost lie half a lumel, one or
@@ -37,9 +41,11 @@ PlanPass::PlanPass(const gpu::Device& device, const SceneState& scene, const Fee
                                       sizeof(shared::PlanPush))),
       enlist_(gpu::makeComputePipeline(device, "enlist.comp", {*scene.frameSet().layout()},
                                        sizeof(shared::PlanPush))),
-      surfaces_(device), plan_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::device, "plan"),
-      readback_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::readback, "plan readback")
+      surfaces_(device), plan_(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::device, "plan")
 {
+    for (gpu::Buffer& readback : readbacks_)
+        readback =
+            gpu::Buffer(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::readback, "plan readback");
 }
 
 uint32_t PlanPass::lightJobOf(Surface surface, const GpuMaterial* material, int block)
@@ -109,19 +115,22 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
     jobCount_ = uint32_t(table.size());
 
     using MemoryUsage = gpu::Buffer::MemoryUsage;
-    reserve(frame.device, marks_, 3 * tiles * sizeof(shared::Mark), MemoryUsage::device, "marks");
-    reserve(frame.device, tiles_, first * sizeof(shared::JobTile), MemoryUsage::device, "tiles");
-    reserve(frame.device, jobs_, table.size() * sizeof(shared::Job), MemoryUsage::device, "jobs");
-    reserve(frame.device, upload_, table.size() * sizeof(shared::Job), MemoryUsage::staging, "jobs upload");
-    upload_.write<shared::Job>(table);
+    reserve(frame, marks_, 3 * tiles * sizeof(shared::Mark), MemoryUsage::device, "marks");
+    reserve(frame, tiles_, first * sizeof(shared::JobTile), MemoryUsage::device, "tiles");
+    reserve(frame, jobs_, table.size() * sizeof(shared::Job), MemoryUsage::device, "jobs");
+    gpu::Buffer& upload = uploads_[frame.place];
+    if (table.size() * sizeof(shared::Job) > upload.size()) // of no frame in flight
+        upload = gpu::Buffer(frame.device, 2 * table.size() * sizeof(shared::Job), MemoryUsage::staging,
+                             "jobs upload");
+    upload.write<shared::Job>(table);
     writeObjects(frame, pool, jobs);
 }
 
-// The object table, with the lit textures and where their tiles are listed.
+// The lit textures, and where their tiles are listed, into the object table.
 void PlanPass::writeObjects(Frame& frame, const LitPool& pool, const std::vector<ObjectJobs>& jobs)
 {
-    const std::span<shared::Object> table = frame.scene.writeObjects();
-    for (size_t i = 0; i < table.size(); ++i) {
+    auto* table = frame.scene.objectTable().mapped<shared::Object>(); // which is never read here
+    for (size_t i = 0; i < jobs.size(); ++i) {
         const tsl::ObjectResidency& resident = frame.residency.objects()[i];
         if (!resident.texture)
             continue;
@@ -146,12 +155,13 @@ shared::LightPush PlanPass::push(uint32_t job) const
             .tiles = tiles_.address(),
             .surfaces = surfaces_.address(),
             .job = job,
-            .surfaceCapacity = surfaces_.state().capacity};
+            .surfaceCapacity = surfaces_.capacity()};
 }
 
-std::map<uint32_t, size_t> PlanPass::lumelsByTileSize(const gpu::Device& device) const
+std::map<uint32_t, size_t> PlanPass::lumelsByTileSize(const gpu::Device& device,
+                                                      const shared::Plan& plan) const
 {
-    const auto bytes = gpu::readBack(device, marks_, read().marked * sizeof(shared::Mark));
+    const auto bytes = gpu::readBack(device, marks_, plan.marked * sizeof(shared::Mark));
     std::vector<shared::Mark> marks(bytes.size() / sizeof(shared::Mark));
     if (!marks.empty())
         std::memcpy(marks.data(), bytes.data(), bytes.size());
@@ -170,18 +180,32 @@ std::map<uint32_t, size_t> PlanPass::lumelsByTileSize(const gpu::Device& device)
     return lumels;
 }
 
+// Of all but what it keeps from frame to frame.
+void PlanPass::recordReset(vk::CommandBuffer commands)
+{
+    constexpr size_t kKept = offsetof(shared::Plan, surfacesBefore);
+    if (!std::exchange(planKnown_, true)) {
+        commands.fillBuffer(plan_.handle(), 0, VK_WHOLE_SIZE, 0);
+    } else {
+        commands.copyBuffer(plan_.handle(), plan_.handle(),
+                            vk::BufferCopy{offsetof(shared::Plan, surfacesTaken), kKept, sizeof(uint32_t)});
+        gpu::memoryBarrier(commands, gpu::Use::transferRead, gpu::Use::transferWrite);
+        commands.fillBuffer(plan_.handle(), 0, kKept, 0);
+    }
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::transferWrite);
+}
+
 void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
 {
     const PassScope scope(frame, "plan");
     const vk::CommandBuffer commands = frame.commands;
-    commands.fillBuffer(plan_.handle(), 0, VK_WHOLE_SIZE, 0);
-    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::transferWrite);
+    recordReset(commands);
     commands.fillBuffer(plan_.handle(), offsetof(shared::Plan, groups) + 2 * sizeof(uint32_t),
                         sizeof(uint32_t), 1);
     for (const size_t groups : {offsetof(shared::Plan, chosenGroups), offsetof(shared::Plan, unboundGroups)})
         commands.fillBuffer(plan_.handle(), groups + sizeof(uint32_t), 2 * sizeof(uint32_t), 1);
     if (jobCount_ > 0)
-        commands.copyBuffer(upload_.handle(), jobs_.handle(),
+        commands.copyBuffer(uploads_[frame.place].handle(), jobs_.handle(),
                             vk::BufferCopy{.size = jobCount_ * sizeof(shared::Job)});
     gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::computeReadWrite);
 
@@ -200,7 +224,7 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
                                 .refreshShare = settings.refreshShare,
                                 .tolerance = settings.tolerance,
                                 .markCapacity = uint32_t(marks_.size() / (3 * sizeof(shared::Mark))),
-                                .surfaces = surfaces_.state()};
+                                .surfaces = surfaces_.next()};
     const auto bind = [&](const gpu::Pipeline& pipeline, std::initializer_list<vk::DescriptorSet> sets = {}) {
         bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, sets);
         pushConstants(commands, pipeline, push);
@@ -229,7 +253,8 @@ void PlanPass::recordReadback(Frame& frame) const
 {
     const vk::CommandBuffer commands = frame.commands;
     gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::transferRead);
-    commands.copyBuffer(plan_.handle(), readback_.handle(), vk::BufferCopy{.size = sizeof(shared::Plan)});
+    commands.copyBuffer(plan_.handle(), readbacks_[frame.place].handle(),
+                        vk::BufferCopy{.size = sizeof(shared::Plan)});
     gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::hostRead);
 }
 

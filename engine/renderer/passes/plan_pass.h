@@ -26,17 +26,17 @@ public:
     };
 
     PlanPass(const gpu::Device& device, const SceneState& scene, const FeedbackPass& feedback);
-    // Sorts the frame's objects into jobs and writes the object table. Call when no frame is in flight.
+    // Sorts the frame's objects into jobs and adds their lit textures to the object table.
     void prepare(Frame& frame, const LitPool& pool);
     void record(Frame& frame, const FeedbackPass& feedback);
     // Once all is lit and derived.
     void recordReadback(Frame& frame) const;
-    // Reads what was planned and done, after the recorded commands have finished.
-    const shared::Plan& read() const { return *readback_.read<shared::Plan>(); }
+    // What was planned and done, after the commands that the frame at `place` recorded have finished.
+    const shared::Plan& read(uint32_t place) const { return *readbacks_[place].read<shared::Plan>(); }
 
     // Lumels that tiles of 8, 16, 32 and 64 lumels a side would hold of what the last plan lit or kept: the
-    // price of lighting in larger pieces. Waits for the device.
-    std::map<uint32_t, size_t> lumelsByTileSize(const gpu::Device& device) const;
+    // price of lighting in larger pieces. `plan`: what it read. Waits for the device.
+    std::map<uint32_t, size_t> lumelsByTileSize(const gpu::Device& device, const shared::Plan& plan) const;
 
     const std::vector<LightJob>& lightJobs() const { return lightJobs_; }
     const std::vector<LowerJobs>& lowerJobs() const { return lowerJobs_; }
@@ -50,12 +50,15 @@ private:
         uint32_t light = 0, cached = 0, lower = 0;
     };
     static void writeObjects(Frame& frame, const LitPool& pool, const std::vector<ObjectJobs>& jobs);
+    void recordReset(vk::CommandBuffer commands);
     uint32_t lightJobOf(Surface surface, const GpuMaterial* material, int block);
     uint32_t lowerJobOf(int block, uint32_t tail);
 
     gpu::Pipeline mark_, classify_, classifyWaiting_, budget_, select_, bound_, enlist_;
     SurfaceCache surfaces_;
-    gpu::Buffer plan_, readback_, upload_, jobs_, marks_, tiles_;
+    gpu::Buffer plan_, jobs_, marks_, tiles_;
+    bool planKnown_ = false; // what it keeps from frame to frame
+    std::array<gpu::Buffer, gpu::FrameRing::kMostFrames> readbacks_, uploads_;
     std::vector<LightJob> lightJobs_;
     std::vector<LowerJobs> lowerJobs_;
     std::map<std::tuple<Surface, const GpuMaterial*, int>, uint32_t> lightJobIndex_;

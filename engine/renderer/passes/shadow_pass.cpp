@@ -114,7 +114,7 @@ gpu::ImageInfo shadowMapInfo(uint32_t size, uint32_t layers)
 
 ShadowPass::ShadowPass(const gpu::Device& device, SceneState& scene)
     : viewLayout_(gpu::makeSetLayout(device, {vk::DescriptorType::eUniformBuffer})),
-      viewSet_(gpu::makeSet(device, viewLayout_)), sampler_(gpu::makeShadowSampler(device)),
+      sampler_(gpu::makeShadowSampler(device)),
       solid_(gpu::makeGraphicsPipeline(device, {.vertex = "shadow.vert",
                                                 .bindings = kMeshBindings,
                                                 .attributes = attributes(),
@@ -123,14 +123,11 @@ ShadowPass::ShadowPass(const gpu::Device& device, SceneState& scene)
                                                 .color = vk::Format::eUndefined})),
       list_(device, scene.objects().size())
 {
-    gpu::writeUniform(device, *viewSet_, 0, scene.frameSet().viewBuffer());
     allocate(device, scene, 1, 1);
 }
 
 void ShadowPass::allocate(const gpu::Device& device, SceneState& scene, uint32_t size, uint32_t layers)
 {
-    if (maps_ && maps_.info().width == size && maps_.info().layers == layers)
-        return;
     layers_.clear();
     known_.clear();
     maps_ = gpu::Image(device, shadowMapInfo(size, layers), "shadow maps");
@@ -146,12 +143,25 @@ void ShadowPass::allocate(const gpu::Device& device, SceneState& scene, uint32_t
         gpu::imageBarrier(commands, maps_.handle(), maps_.aspect(), gpu::Use::transferWrite,
                           gpu::Use::shaderSample);
     });
-    scene.frameSet().bindShadows(device, *sampler_, maps_.view());
+    scene.frameSet().bindShadows(*sampler_, maps_.view());
 }
 
-void ShadowPass::prepare(const gpu::Device& device, SceneState& scene, const Settings& settings,
-                         uint32_t frame)
+// Made when first needed.
+vk::DescriptorSet ShadowPass::viewSet(const Frame& frame)
 {
+    vk::raii::DescriptorSet& set = viewSets_[frame.place];
+    if (!*set) {
+        set = gpu::makeSet(frame.device, viewLayout_);
+        gpu::writeUniform(frame.device, *set, 0, frame.scene.frameSet().viewBuffer());
+    }
+    return *set;
+}
+
+void ShadowPass::prepare(Frame& in)
+{
+    SceneState& scene = in.scene;
+    const Settings& settings = in.settings;
+    const uint32_t frame = in.index;
     uint32_t moved = 0;
     for (const GpuObject& object : scene.objects()) {
         if (!object.casts)
@@ -164,8 +174,10 @@ void ShadowPass::prepare(const gpu::Device& device, SceneState& scene, const Set
     std::vector<uint32_t> chosen;
     if (settings.shadows && !bounds_.empty())
         chosen = chooseLights(scene.lights().table(), bounds_);
-    if (!chosen.empty())
-        allocate(device, scene, settings.shadowSize, uint32_t(chosen.size()));
+    if (!chosen.empty() && !holds(settings.shadowSize, uint32_t(chosen.size()))) {
+        in.ring.waitForAll();
+        allocate(in.device, scene, settings.shadowSize, uint32_t(chosen.size()));
+    }
     std::vector<shared::Shadow> shadows;
     known_.resize(chosen.size());
     for (size_t i = 0; i < chosen.size(); ++i) {
@@ -222,7 +234,7 @@ void ShadowPass::drawMasked(Frame& frame, const Map& map, size_t object)
 {
     const GpuObject& o = frame.scene.objects()[object];
     const gpu::Pipeline& pipeline = maskPipeline(frame, o.coloured);
-    const std::array sets{*viewSet_, *o.material->set};
+    const std::array sets{viewSet(frame), *o.material->set};
     bindAll(frame, vk::PipelineBindPoint::eGraphics, pipeline, sets);
     pushConstants(frame.commands, pipeline,
                   shared::ShadowPush{.clipFromWorld = map.clipFromWorld, .object = uint32_t(object)});
@@ -247,7 +259,7 @@ void ShadowPass::drawMap(Frame& frame, const Map& map, vk::ImageView layer,
     frame.commands.beginRendering(
         {.renderArea = {{0, 0}, maps_.extent()}, .layerCount = 1, .pDepthAttachment = &depth});
     setViewport(frame.commands, maps_.extent());
-    const std::array sets{*viewSet_};
+    const std::array sets{viewSet(frame)};
     bindAll(frame, vk::PipelineBindPoint::eGraphics, solid_, sets);
     pushConstants(frame.commands, solid_,
                   shared::ShadowPush{.clipFromWorld = map.clipFromWorld, .object = 0});

@@ -11,9 +11,9 @@ gpu::ImageInfo shadowMapInfo(uint32_t size, uint32_t layers);
 class ShadowPass {
 public:
     ShadowPass(const gpu::Device& device, SceneState& scene);
-    // Chooses the lights, and finds which maps are out of date: their lights count as changed. Call when no
-    // frame is in flight, before the view is written.
-    void prepare(const gpu::Device& device, SceneState& scene, const Settings& settings, uint32_t frame);
+    // Chooses the lights, and finds which maps are out of date: their lights count as changed. Call before
+    // the view is written. Where it needs more maps, it waits for the frames in flight.
+    void prepare(Frame& frame);
     // How many lights that chooses.
     static size_t countMaps(const SceneState& scene, const Settings& settings);
     void preparePipelines(const Frame& frame); // begins to make all that the scene can need
@@ -29,12 +29,17 @@ private:
     void allocate(const gpu::Device& device, SceneState& scene, uint32_t size, uint32_t layers);
     void drawMap(Frame& frame, const Map& map, vk::ImageView layer, std::span<const LightSet> reaching);
     void drawMasked(Frame& frame, const Map& map, size_t object);
+    bool holds(uint32_t size, uint32_t layers) const
+    {
+        return maps_.info().width == size && maps_.info().layers == layers;
+    }
+    vk::DescriptorSet viewSet(const Frame& frame);
     const gpu::Pipeline& maskPipeline(const Frame& frame, bool coloured);
 
     // Set 0 of the casters' pipelines: the view alone. The frame's set holds the maps themselves, and
     // software Vulkan ends a picture before each draw that could read it.
     gpu::SetLayout viewLayout_;
-    vk::raii::DescriptorSet viewSet_ = nullptr;
+    std::array<vk::raii::DescriptorSet, gpu::FrameRing::kMostFrames> viewSets_{nullptr, nullptr, nullptr};
     vk::raii::Sampler sampler_;
     gpu::Image maps_; // an array, a layer for each light
     std::vector<vk::raii::ImageView> layers_;

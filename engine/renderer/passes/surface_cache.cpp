@@ -9,12 +9,13 @@ SurfaceCache::SurfaceCache(const gpu::Device& device)
 {
 }
 
-void SurfaceCache::allocate(uint32_t capacity)
+void SurfaceCache::allocate(gpu::FrameRing& ring, uint32_t capacity)
 {
+    ring.waitForAll();
     view_ = nullptr;
     words_ = {}; // free first, so that memory never passes the cap
     state_.capacity = capacity;
-    state_.oldest = state_.latest;
+    state_.emptied = 1;
     if (capacity == 0)
         return;
     words_ = gpu::Buffer(device_, capacity * kTileBytes, gpu::Buffer::MemoryUsage::device, "surface cache",
@@ -31,7 +32,7 @@ size_t SurfaceCache::roomFor(size_t tiles)
     return (bytes + kStep - 1) / kStep * kStep;
 }
 
-void SurfaceCache::reserve(size_t tiles, size_t capBytes)
+void SurfaceCache::reserve(gpu::FrameRing& ring, size_t tiles, size_t capBytes)
 {
     // Below this many it is not worth its passes.
     constexpr size_t kLeastTiles = 64;
@@ -42,14 +43,9 @@ void SurfaceCache::reserve(size_t tiles, size_t capBytes)
     const size_t needed = std::min(tiles + tiles / 4, most), wanted = std::min(2 * tiles, most);
     const size_t fewest = std::min(roomFor(tiles) / kTileBytes, most);
     if (state_.capacity > most) // textures grow: not past roomFor() if they can help it
-        allocate(uint32_t(fewest >= kLeastTiles ? fewest : 0));
+        allocate(ring, uint32_t(fewest >= kLeastTiles ? fewest : 0));
     else if (needed > state_.capacity + state_.capacity / 8 && wanted >= kLeastTiles)
-        allocate(uint32_t(wanted));
-}
-
-void SurfaceCache::taken(uint32_t numbers)
-{
-    state_.latest += std::min(numbers, shared::surfacesAFrame(state_.capacity));
+        allocate(ring, uint32_t(wanted));
 }
 
 } // namespace lumel

@@ -10,15 +10,15 @@ public:
     explicit SurfaceCache(const gpu::Device& device);
 
     // Room for `tiles`, within so many bytes; never smaller than it is while it fits. What it held is lost
-    // when it is reallocated. Call when no frame is in flight.
-    void reserve(size_t tiles, size_t capBytes);
+    // when it is reallocated, which waits for the frames in flight.
+    void reserve(gpu::FrameRing& ring, size_t tiles, size_t capBytes);
     // Bytes that are to be left to it, when so many tiles are in view.
     static size_t roomFor(size_t tiles);
-    void clear() { reserve(0, 0); }
-    // After a frame that took so many numbers.
-    void taken(uint32_t numbers);
+    void clear(gpu::FrameRing& ring) { reserve(ring, 0, 0); }
 
-    shared::SurfaceCacheState state() const { return state_; }
+    uint32_t capacity() const { return state_.capacity; } // tiles
+    // For the plan of the next frame, which it is told once that the memory is new.
+    shared::SurfaceCacheState next() { return {state_.capacity, std::exchange(state_.emptied, 0u)}; }
     vk::DeviceAddress address() const { return words_ ? words_.address() : 0; }
     size_t bytes() const { return state_.capacity * kTileBytes; }
     // Binding 0: the words as a uniform texel buffer.
@@ -28,7 +28,7 @@ public:
     static constexpr size_t kTileBytes = shared::kTileLumels * shared::kSurfaceWords * sizeof(glm::uvec4);
 
 private:
-    void allocate(uint32_t capacity);
+    void allocate(gpu::FrameRing& ring, uint32_t capacity);
     const gpu::Device& device_;
     gpu::SetLayout layout_;
     vk::raii::DescriptorSet set_ = nullptr;

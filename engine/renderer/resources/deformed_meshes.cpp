@@ -21,19 +21,27 @@ DeformedMeshes::DeformedMeshes(const gpu::Device& device, const scene::Scene& sc
 {
     if (scene.deformed.empty())
         return;
-    using MemoryUsage = gpu::Buffer::MemoryUsage;
+    device_ = &device;
     const scene::Shapes rest = scene::shapesAtRest(scene);
-    size_t matrices = 0, weights = 0;
-    firstMatrix_ = firstOfEach(rest.joints, matrices);
-    firstWeight_ = firstOfEach(rest.weights, weights);
-    // At least one element each: none of them is ever a null address.
-    matrices_ =
-        gpu::Buffer(device, std::max<size_t>(matrices, 1) * sizeof(glm::mat4), MemoryUsage::host, "joints");
-    weights_ =
-        gpu::Buffer(device, std::max<size_t>(weights, 1) * sizeof(float), MemoryUsage::host, "weights");
+    firstMatrix_ = firstOfEach(rest.joints, matrixCount_);
+    firstWeight_ = firstOfEach(rest.weights, weightCount_);
+    begin(0);
     for (size_t i = 0; i < scene.deformed.size(); ++i)
         items_.push_back(makeItem(device, scene, meshes, i));
     set(rest);
+}
+
+void DeformedMeshes::begin(uint32_t place)
+{
+    place_ = place;
+    Place& p = places_[place];
+    if (p.matrices || !device_)
+        return;
+    // At least one element each: none of them is ever a null address.
+    constexpr auto kUsage = gpu::Buffer::MemoryUsage::host;
+    p.matrices =
+        gpu::Buffer(*device_, std::max<size_t>(matrixCount_, 1) * sizeof(glm::mat4), kUsage, "joints");
+    p.weights = gpu::Buffer(*device_, std::max<size_t>(weightCount_, 1) * sizeof(float), kUsage, "weights");
 }
 
 DeformedMeshes::Item DeformedMeshes::makeItem(const gpu::Device& device, const scene::Scene& scene,
@@ -50,16 +58,15 @@ DeformedMeshes::Item DeformedMeshes::makeItem(const gpu::Device& device, const s
     item.skin = deformed.skin;
     item.extents = d.extents;
     const auto addressOr = [&](const gpu::Buffer& buffer) {
-        return buffer ? buffer.address() : weights_.address();
+        return buffer ? buffer.address() : source.vertices.address(); // never read
     };
-    const size_t matrix = deformed.skin >= 0 ? firstMatrix_[size_t(deformed.skin)] : 0;
     item.push = {.rest = source.vertices.address(),
                  .deformed = item.vertices.address(),
                  .joints = addressOr(source.influences),
                  .firstDeltas = addressOr(source.firstDeltas),
                  .deltas = addressOr(source.deltas),
-                 .matrices = matrices_.address() + matrix * sizeof(glm::mat4),
-                 .weights = weights_.address() + firstWeight_[index] * sizeof(float),
+                 .matrices = 0,
+                 .weights = 0,
                  .vertexCount = uint32_t(mesh.vertices.size()),
                  .influences = deformed.skin >= 0 ? d.jointsPerVertex : 0u,
                  .morphs = d.deltas.empty() ? 0u : 1u};
@@ -75,7 +82,6 @@ std::vector<uint8_t> DeformedMeshes::set(const scene::Shapes& shapes)
             continue; // animations pause
         deformed[i] = 1;
         joints_[i] = shapes.joints[i];
-        matrices_.write<glm::mat4>(joints_[i], firstMatrix_[i]);
     }
     static const scene::Matrices kNone;
     std::vector<uint8_t> changed(items_.size(), 0);
@@ -91,9 +97,23 @@ std::vector<uint8_t> DeformedMeshes::set(const scene::Shapes& shapes)
         item.bounds = scene::deformedBounds(item.extents, joints, item.weights);
         item.mirrored =
             !joints.empty() && glm::determinant(glm::mat3(joints[item.extents.joints.front().first])) < 0.0f;
-        weights_.write<float>(item.weights, firstWeight_[i]);
     }
     return changed;
+}
+
+shared::DeformPush DeformedMeshes::write(size_t index)
+{
+    Item& item = items_[index];
+    const Place& place = places_[place_];
+    const size_t matrix = item.skin >= 0 ? firstMatrix_[size_t(item.skin)] : 0;
+    if (item.skin >= 0)
+        place.matrices.write<glm::mat4>(joints_[size_t(item.skin)], matrix);
+    place.weights.write<float>(item.weights, firstWeight_[index]);
+    item.stale = false;
+    shared::DeformPush push = item.push;
+    push.matrices = place.matrices.address() + matrix * sizeof(glm::mat4);
+    push.weights = place.weights.address() + firstWeight_[index] * sizeof(float);
+    return push;
 }
 
 } // namespace lumel

@@ -1,6 +1,8 @@
 // The deformed meshes of one renderer: the vertices of each, and the joints and weights that move them.
 #pragma once
 #include "geometry_resources.h"
+#include "gpu/frame_ring.h"
+#include <array>
 
 namespace lumel {
 
@@ -15,7 +17,7 @@ public:
 
     struct Item {
         gpu::Buffer vertices;
-        shared::DeformPush push{};
+        shared::DeformPush push{}; // but for what lies in the ring
         scene::Extents extents;
         int skin = -1;
         Bounds bounds;              // object space
@@ -24,13 +26,22 @@ public:
         std::vector<float> weights; // as last set
     };
     const std::vector<Item>& items() const { return items_; }
-    void markFresh(size_t item) { items_[item].stale = false; }
+    // The place of the next frame in the ring of joints and weights.
+    void begin(uint32_t place);
+    // Writes what moves the item for that frame, which brings its vertices up to date.
+    shared::DeformPush write(size_t item);
 
 private:
     Item makeItem(const gpu::Device& device, const scene::Scene& scene, const std::vector<GpuMesh>& meshes,
                   size_t index) const;
 
-    gpu::Buffer matrices_, weights_; // of all skins, of all items
+    struct Place {                     // made when first needed
+        gpu::Buffer matrices, weights; // of all skins, of all items
+    };
+    const gpu::Device* device_ = nullptr;
+    std::array<Place, gpu::FrameRing::kMostFrames> places_;
+    uint32_t place_ = 0;
+    size_t matrixCount_ = 0, weightCount_ = 0;
     std::vector<size_t> firstMatrix_, firstWeight_;
     std::vector<scene::Matrices> joints_; // by skin, as last set
     std::vector<Item> items_;

@@ -4,39 +4,66 @@
 
 namespace lumel {
 
-FrameSet::FrameSet(const gpu::Device& device)
-    : layout_(gpu::makeSetLayout(
+FrameSet::FrameSet(const gpu::Device& device, size_t objects)
+    : device_(device),
+      layout_(gpu::makeSetLayout(
           device, {vk::DescriptorType::eUniformBuffer, vk::DescriptorType::eUniformBuffer,
                    vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eCombinedImageSampler,
                    vk::DescriptorType::eUniformTexelBuffer})),
-      set_(gpu::makeSet(device, layout_)), environmentSampler_(gpu::makeSampler(device, {.mips = true})),
-      view_(device, sizeof(shared::View), gpu::Buffer::MemoryUsage::host, "view"),
-      lights_(device, shared::kMaxLights * sizeof(shared::Light), gpu::Buffer::MemoryUsage::host, "lights")
+      environmentSampler_(gpu::makeSampler(device, {.mips = true})),
+      objectBytes_(objects * sizeof(shared::Object))
 {
-    gpu::writeUniform(device, *set_, 0, view_.handle());
-    gpu::writeUniform(device, *set_, 1, lights_.handle());
+    begin(0);
+}
+
+void FrameSet::begin(uint32_t place)
+{
+    place_ = place;
+    Place& p = current();
+    if (*p.set)
+        return;
+    constexpr auto kUsage = gpu::Buffer::MemoryUsage::host;
+    p.set = gpu::makeSet(device_, layout_);
+    p.view = gpu::Buffer(device_, sizeof(shared::View), kUsage, "view");
+    p.lights = gpu::Buffer(device_, shared::kMaxLights * sizeof(shared::Light), kUsage, "lights");
+    p.objects = gpu::Buffer(device_, objectBytes_, kUsage, "objects");
+    p.objectTexels = gpu::makeTexelView(device_, p.objects);
+    gpu::writeUniform(device_, *p.set, 0, p.view.handle());
+    gpu::writeUniform(device_, *p.set, 1, p.lights.handle());
+    gpu::writeTexels(device_, *p.set, 4, *p.objectTexels);
+    bindMaps(p);
 }
 
 void FrameSet::recordView(vk::CommandBuffer commands, const shared::View& view) const
 {
     gpu::memoryBarrier(commands, gpu::Use::general, gpu::Use::transferWrite);
-    commands.updateBuffer<shared::View>(view_.handle(), 0, view);
+    commands.updateBuffer<shared::View>(viewBuffer(), 0, view);
     gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::general);
 }
 
-void FrameSet::bindEnvironment(const gpu::Device& device, vk::ImageView map)
+void FrameSet::bindMaps(const Place& place) const
 {
-    gpu::writeSampled(device, *set_, 2, *environmentSampler_, map);
+    if (environment_)
+        gpu::writeSampled(device_, *place.set, 2, *environmentSampler_, environment_);
+    if (shadows_)
+        gpu::writeSampled(device_, *place.set, 3, shadowSampler_, shadows_);
 }
 
-void FrameSet::bindObjects(const gpu::Device& device, vk::BufferView table)
+void FrameSet::bindEnvironment(vk::ImageView map)
 {
-    gpu::writeTexels(device, *set_, 4, table);
+    environment_ = map;
+    for (const Place& place : places_)
+        if (*place.set)
+            bindMaps(place);
 }
 
-void FrameSet::bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps)
+void FrameSet::bindShadows(vk::Sampler sampler, vk::ImageView maps)
 {
-    gpu::writeSampled(device, *set_, 3, sampler, maps);
+    shadows_ = maps;
+    shadowSampler_ = sampler;
+    for (const Place& place : places_)
+        if (*place.set)
+            bindMaps(place);
 }
 
 } // namespace lumel

@@ -1,39 +1,57 @@
-// Set 0 of every pipeline: the view, the lights, the environment map, the shadow maps and the
-// object table. Frames are waited
-// for, so one set serves all.
+// Set 0 of every pipeline: the view, the lights, the environment map, the shadow maps and the object table.
+// Frames in flight have one each.
 #pragma once
+#include "gpu/frame_ring.h"
 #include "gpu/pipeline.h"
 #include "gpu/resource.h"
 #include "shared/structs.h"
+#include <array>
 #include <span>
 
 namespace lumel {
 
 class FrameSet {
 public:
-    explicit FrameSet(const gpu::Device& device);
+    FrameSet(const gpu::Device& device, size_t objects);
 
+    // The place that the next frame has. What follows is about it.
+    void begin(uint32_t place);
+    uint32_t place() const { return place_; }
     const gpu::SetLayout& layout() const { return layout_; }
-    vk::DescriptorSet handle() const { return *set_; }
-    vk::Buffer viewBuffer() const { return view_.handle(); }
+    vk::DescriptorSet handle() const { return *current().set; }
+    vk::Buffer viewBuffer() const { return current().view.handle(); }
+    const gpu::Buffer& objectTable() const { return current().objects; } // only write to it
 
-    // Call these when no frame is in flight.
-    void writeView(const shared::View& view) { view_.write(std::span(&view, 1)); }
+    void writeView(const shared::View& view) { current().view.write(std::span(&view, 1)); }
     // The same as a command, for several views in a submission.
     void recordView(vk::CommandBuffer commands, const shared::View& view) const;
     void writeLights(std::span<const shared::Light> lights) // at most kMaxLights
     {
-        lights_.write(lights);
+        current().lights.write(lights);
     }
-    void bindEnvironment(const gpu::Device& device, vk::ImageView map);
-    void bindObjects(const gpu::Device& device, vk::BufferView table);
-    void bindShadows(const gpu::Device& device, vk::Sampler sampler, vk::ImageView maps);
+
+    // Of all places: call these when no frame is in flight.
+    void bindEnvironment(vk::ImageView map);
+    void bindShadows(vk::Sampler sampler, vk::ImageView maps);
 
 private:
+    struct Place { // made when first needed
+        vk::raii::DescriptorSet set = nullptr;
+        gpu::Buffer view, lights, objects;
+        vk::raii::BufferView objectTexels = nullptr;
+    };
+    Place& current() { return places_[place_]; }
+    const Place& current() const { return places_[place_]; }
+    void bindMaps(const Place& place) const;
+
+    const gpu::Device& device_;
     gpu::SetLayout layout_;
-    vk::raii::DescriptorSet set_;
     vk::raii::Sampler environmentSampler_;
-    gpu::Buffer view_, lights_;
+    size_t objectBytes_;
+    vk::ImageView environment_, shadows_;
+    vk::Sampler shadowSampler_;
+    std::array<Place, gpu::FrameRing::kMostFrames> places_;
+    uint32_t place_ = 0;
 };
 
 } // namespace lumel

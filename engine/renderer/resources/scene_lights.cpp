@@ -46,11 +46,10 @@ void SceneLights::set(const std::vector<scene::Light>& lights, uint32_t frame)
     updateAmbient(frame);
 }
 
-void SceneLights::setEnvironment(const gpu::Device& device, std::shared_ptr<const EnvironmentMap> environment,
-                                 uint32_t frame)
+void SceneLights::setEnvironment(std::shared_ptr<const EnvironmentMap> environment, uint32_t frame)
 {
     environment_ = std::move(environment);
-    set_.bindEnvironment(device, environment_->view());
+    set_.bindEnvironment(environment_->view());
     updateAmbient(frame);
     const float intensity = std::exchange(environmentView_, {}).intensity;
     adjustEnvironment(intensity, environmentDegrees_, frame);

@@ -16,8 +16,7 @@ public:
     // Throws Error beyond kMaxLights.
     void set(const std::vector<scene::Light>& lights, uint32_t frame);
     // Call when no frame is in flight.
-    void setEnvironment(const gpu::Device& device, std::shared_ptr<const EnvironmentMap> environment,
-                        uint32_t frame);
+    void setEnvironment(std::shared_ptr<const EnvironmentMap> environment, uint32_t frame);
     // What the environment map is multiplied by, and turned by about +Y, in degrees.
     void adjustEnvironment(float intensity, float degrees, uint32_t frame);
     // See Settings::ambient.
@@ -34,7 +33,7 @@ public:
     // kFeature... of shaders that light by them, and by so many shadow maps.
     uint32_t features(size_t shadowMaps) const;
     uint32_t features() const { return features(shadows_.size()); }
-    void writeTable() { set_.writeLights(table_); } // call when no frame is in flight
+    void writeTable() { set_.writeLights(table_); } // for the next frame
     void describe(shared::View& view) const;        // their part of it
 
     uint32_t changed() const { return changed_; }       // frame of the last change to any of them

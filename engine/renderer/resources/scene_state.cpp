@@ -5,14 +5,10 @@
 namespace lumel {
 
 SceneState::SceneState(const gpu::Device& device, const scene::Scene& scene, const SceneResources& resources)
-    : resources_(resources), frameSet_(device), lights_(frameSet_),
-      deformed_(device, scene, resources.geometry->meshes()),
-      objectTable_(device, scene.objects.size() * sizeof(shared::Object), gpu::Buffer::MemoryUsage::host,
-                   "objects"),
-      objectTexels_(gpu::makeTexelView(device, objectTable_))
+    : resources_(resources), frameSet_(device, scene.objects.size()), lights_(frameSet_),
+      deformed_(device, scene, resources.geometry->meshes())
 {
-    frameSet_.bindObjects(device, *objectTexels_);
-    lights_.setEnvironment(device, resources.environment, 0);
+    lights_.setEnvironment(resources.environment, 0);
     lights_.set(scene::lightsOf(scene), 0);
     for (const scene::Object& object : scene.objects)
         objects_.push_back(makeObject(scene, object, resources, deformed_));
@@ -50,16 +46,21 @@ bool SceneState::changedSince(size_t object, uint32_t frame) const
     return false;
 }
 
-std::span<shared::Object> SceneState::writeObjects()
+void SceneState::begin(uint32_t place)
 {
-    const std::span table(objectTable_.mapped<shared::Object>(), objects_.size());
+    frameSet_.begin(place);
+    deformed_.begin(place);
+}
+
+void SceneState::writeObjects()
+{
+    const std::span table(objectTable().mapped<shared::Object>(), objects_.size());
     gpu::hostWork().uploadedBytes += table.size_bytes();
     for (size_t i = 0; i < objects_.size(); ++i) {
         shared::Object row = objects_[i].data;
         row.changed = std::max(row.changed, lights_.changedAll());
         table[i] = row; // which is never read here: it may be uncached
     }
-    return table;
 }
 
 } // namespace lumel

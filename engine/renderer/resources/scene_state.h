@@ -33,10 +33,11 @@ public:
     // Has the object moved in this frame or later, or a light that may reach it?
     bool changedSince(size_t object, uint32_t frame) const;
 
-    // Writes this frame's objects, without lit textures: these may be added. Only write to it. Frames are
-    // waited for, so one table serves all.
-    std::span<shared::Object> writeObjects();
-    const gpu::Buffer& objectTable() const { return objectTable_; }
+    // The place of the next frame in the rings.
+    void begin(uint32_t place);
+    // Writes that frame's objects, without lit textures: these may be added.
+    void writeObjects();
+    const gpu::Buffer& objectTable() const { return frameSet_.objectTable(); }
 
 private:
     // Declared in creation order, since they die in reverse.
@@ -46,8 +47,6 @@ private:
     DeformedMeshes deformed_;
     std::vector<GpuObject> objects_;
     std::set<SurfaceKind> kinds_;
-    gpu::Buffer objectTable_;
-    vk::raii::BufferView objectTexels_;
     uint32_t changed_ = 0; // frame in which an object last did
 };
 

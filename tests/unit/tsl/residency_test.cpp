@@ -189,3 +189,42 @@ TEST(Residency, ObjectsLeaveBeforeTheirChartsMerge)
     residency.assign(pool, at(2.0f), ++frame);
     EXPECT_GT(residency.objects()[0].share, 0.0f);
 }
+
+TEST(Residency, AnObjectWhoseFeedbackComesLateIsDrawnForwardAndFadesIn)
+{
+    TexturePool pool(size_t(64) << 20);
+    std::vector<ObjectFeedback> feedback{feedbackAt(1.5f, {512, 512})};
+    feedback[0].visible = false; // in view, but no sample of it is known yet
+    Residency residency;
+    residency.assign(pool, feedback, 1, true);
+    EXPECT_FALSE(residency.objects()[0].texture);
+    feedback[0].visible = true;
+    float share = 0.0f;
+    for (uint64_t frame = 2; frame < 20; ++frame) {
+        residency.assign(pool, feedback, frame, true);
+        ASSERT_TRUE(residency.objects()[0].texture);
+        EXPECT_GE(residency.objects()[0].share, share);
+        EXPECT_LE(residency.objects()[0].share, share + 0.25f);
+        EXPECT_EQ(residency.steady(), residency.objects()[0].share == 1.0f);
+        share = residency.objects()[0].share;
+    }
+    EXPECT_EQ(share, 1.0f);
+}
+
+TEST(Residency, AnObjectThatComesBackIntoViewGoesOnWithItsTexture)
+{
+    TexturePool pool(size_t(64) << 20);
+    std::vector<ObjectFeedback> feedback{feedbackAt(1.5f, {512, 512})};
+    Residency residency;
+    residency.assign(pool, feedback, 1, true);
+    const TextureId texture = residency.objects()[0].texture;
+    ASSERT_TRUE(texture);
+    feedback[0].inView = feedback[0].visible = false;
+    residency.assign(pool, feedback, 2, true);
+    EXPECT_FALSE(residency.objects()[0].texture);
+    feedback[0].inView = true;
+    residency.assign(pool, feedback, 3, true);
+    EXPECT_EQ(residency.objects()[0].texture, texture);
+    EXPECT_EQ(residency.objects()[0].share, 1.0f);
+    EXPECT_FALSE(residency.objects()[0].fresh);
+}
