@@ -7,9 +7,10 @@
 
 layout(push_constant, scalar) uniform Constants { FeedbackPush push; };
 layout(location = 0) in vec2 uv;
+layout(location = 1) flat in uint object;
 layout(location = 0) out uvec4 seen;
 
 void main()
 {
-    seen = sampleHere(push.object, uv, push.divisor, push.jitter);
+    seen = sampleHere(object, uv, push.divisor, push.jitter);
 }

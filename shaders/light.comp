@@ -86,19 +86,19 @@ SurfacePoint pointOf(TileSurface surface, uvec2 lumel, uint triangle)
 }
 
 TileSurface tileSurface;
-uint firstTexel;
+uint tileTexels;
 
 void beginTile(LitObject object, JobTile job)
 {
     uint mip = placeMip(job.tile.place), level = object.litLevel + mip;
     tileSurface = surfaceOf(objectAt(job.tile.object), level, mipSize(object, mip));
-    firstTexel = texelOffset(object, level);
+    tileTexels = object.texels.at[tileWords(object, level, placeTile(job.tile.place)) + 1u];
 }
 
 LumelSurface surfaceOfLumel(uvec2 lumel)
 {
     LumelSurface result = LumelSurface(noSurface(), uvec2(0u), false);
-    uint triangle = tileSurface.texels.at[firstTexel + lumel.y * tileSurface.size.x + lumel.x] & kTexelTriangleMask;
+    uint triangle = texelOfTile(tileSurface.texels, tileTexels, lumel) & kTexelTriangleMask;
     if (triangle != 0u)
         result.record = packSurface(pointOf(tileSurface, lumel, triangle));
     result.changed = true;

@@ -18,7 +18,7 @@ const uint kTilesAtOnce = kTail ? 1u : kLowerTiles;
 struct Mip {
     uvec2 size;
     uvec2 origin;
-    uint firstTexel;
+    uint firstWords; // of its tiles in the texel map
     uint firstTile;
     uint tilesAcross;
 };
@@ -34,25 +34,29 @@ struct Source {
     Mip fine, coarse;
     uvec2 ratio; // of their sizes: 2, or 1 once an axis has reached one lumel
     Texels texels;
+    uint tileTexels; // of the tile, in the texel map
     uint layer;
 };
 
-uint texelOf(Source source, Mip mip, uvec2 lumel)
+// The second word in the texel map of the tile that a lumel lies in.
+uint tileTexelsOf(Source source, Mip mip, uvec2 lumel)
 {
-    return source.texels.at[mip.firstTexel + lumel.y * mip.size.x + lumel.x];
+    uvec2 tile = lumel / kTileSize;
+    return source.texels.at[mip.firstWords + 2u * (tile.y * mip.tilesAcross + tile.x) + 1u];
 }
 
 // Linear radiance, and in w whether any of the children holds light. whole: surface covers the lumel.
 vec4 derive(Source source, uvec2 lumel, bool whole)
 {
-    uint texel = whole ? 0u : texelOf(source, source.coarse, lumel);
+    uint texel = whole ? 0u : texelOfTile(source.texels, source.tileTexels, lumel);
     if ((texel & kTexelGutter) != 0u)
         lumel = uvec2(ivec2(lumel) + gutterSource(texel));
+    uint tileTexels = whole ? 0u : tileTexelsOf(source, source.fine, lumel * source.ratio); // of all four children
     vec4 sum = vec4(0.0);
     for (uint i = 0u; i < 4u; ++i) { // where an axis does not halve, twice the same: the mean is the same too
         uvec2 child = lumel * source.ratio + min(uvec2(i & 1u, i >> 1u), source.ratio - 1u);
         vec4 light = imageLoad(lit, ivec3(source.fine.origin + child, source.layer));
-        float coverage = whole ? 1.0 : float(texelCoverage(texelOf(source, source.fine, child)));
+        float coverage = whole ? 1.0 : float(texelCoverage(texelOfTile(source.texels, tileTexels, child)));
         sum += coverage * light.a * vec4(light.rgb, 1.0);
     }
     return sum.a > 0.0 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
@@ -108,7 +112,8 @@ void deriveTile(Work work)
     LitObject object = litObject(work.object);
     uint mip = placeMip(work.place), quads = work.quads & kAllQuads, changed = quads | work.quads >> 16u;
     Source source = Source(mipOf(object, mip - 1u), mipOf(object, mip),
-                           mipSize(object, mip - 1u) / mipSize(object, mip), object.texels, object.layer);
+                           mipSize(object, mip - 1u) / mipSize(object, mip), object.texels, 0u, object.layer);
+    source.tileTexels = tileTexelsOf(source, source.coarse, placeTile(work.place) * kTileSize);
     uint local = gl_LocalInvocationIndex, count = bitCount(changed);
     for (uint i = local / kQuadLumels; i < count;) {
         uint quad = quadOf(changed, i);

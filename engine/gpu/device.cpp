@@ -177,6 +177,7 @@ void Device::choosePhysical(const DeviceOptions& options)
     properties_ = physical_.getProperties();
     queueFamily_ = *queueFamilyOf(physical_);
     limits_ = limitsOf(physical_, queueFamily_, options.demands);
+    limits_.mostIndirectDraws *= options.singleDraws ? 0u : 1u;
     const auto chain =
         physical_.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
     const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
@@ -198,7 +199,9 @@ void Device::createDevice()
               .pQueueCreateInfos = &queue,
               .enabledExtensionCount = windowExtensions_.empty() ? 0u : 1u,
               .ppEnabledExtensionNames = &swapchain},
-             {.features = {.shaderStorageImageWriteWithoutFormat = VK_TRUE}},
+             {.features = {.multiDrawIndirect = limits_.mostIndirectDraws > 0,
+                           .drawIndirectFirstInstance = limits_.mostIndirectDraws > 0,
+                           .shaderStorageImageWriteWithoutFormat = VK_TRUE}},
              {.scalarBlockLayout = VK_TRUE, .timelineSemaphore = VK_TRUE, .bufferDeviceAddress = VK_TRUE},
              {.synchronization2 = VK_TRUE, .dynamicRendering = VK_TRUE, .maintenance4 = VK_TRUE});
     device_ = vk::raii::Device(physical_, info.get<vk::DeviceCreateInfo>());

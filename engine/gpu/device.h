@@ -16,6 +16,7 @@ struct DeviceOptions {
     bool validation = false;
     bool keepPipelines = false; // in the user's cache folder
     bool stage = false;         // write no device memory directly, as where the CPU sees none of it
+    bool singleDraws = false;   // draw one object a call, as on a device without indirect draws
     Demands demands{};          // beyond the features that every device must have
     // To present to a window: the instance extensions that its system asks for; empty = no window.
     std::vector<std::string> windowExtensions{};

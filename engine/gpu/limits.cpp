@@ -73,6 +73,9 @@ Limits limitsOf(const vk::raii::PhysicalDevice& device, uint32_t queueFamily, co
                   .subgroupOperations = subgroups.supportedOperations,
                   .timestampValidBits = device.getQueueFamilyProperties()[queueFamily].timestampValidBits,
                   .formats = {}};
+    const vk::PhysicalDeviceFeatures features = device.getFeatures();
+    if (features.multiDrawIndirect && features.drawIndirectFirstInstance)
+        limits.mostIndirectDraws = properties.limits.maxDrawIndirectCount;
     for (const FormatDemand& demand : demands.formats)
         limits.formats[demand.format] =
             device.getFormatProperties2<vk::FormatProperties2, vk::FormatProperties3>(demand.format)

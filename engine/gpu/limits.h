@@ -14,7 +14,8 @@ struct Limits {
     uint32_t subgroupSize = 0;
     vk::ShaderStageFlags subgroupStages;
     vk::SubgroupFeatureFlags subgroupOperations;
-    uint32_t timestampValidBits = 0;                       // of the queue
+    uint32_t timestampValidBits = 0; // of the queue
+    uint32_t mostIndirectDraws = 0;  // a call, each with a first instance; 0: it has none
     std::map<vk::Format, vk::FormatFeatureFlags2> formats; // optimal tiling, of those asked for
 };
 

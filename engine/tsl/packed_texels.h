@@ -1,13 +1,12 @@
-// A texel map as shaders read it: see kTexelTriangleMask in shared/structs.h.
+// A texel map as shaders read it: see kTexelTriangleMask and kTexelsListed in shared/structs.h. Most tiles
+// lie within one triangle or touch a few, so that this is a small part of the map's 4 bytes a lumel.
 #pragma once
 #include "texel_map.h"
 
 namespace lumel::tsl {
 
 struct PackedTexels {
-    std::array<uint32_t, shared::kMaxLevels> offsets{}; // first word of each level
-    // Of each level: a texel for each lumel, then for each tile two masks of its quads: those that hold
-    // surface or gutter, and in the high half those that surface covers whole.
+    std::array<uint32_t, shared::kMaxLevels> offsets{}; // two words for each tile of a level begin here
     UninitialisedArray<uint32_t> words;
 };
 

@@ -31,7 +31,7 @@ uint objectFlags(LitObject object) // kObject...
     return texelFetch(objectTable, object.row + int(kTexelOfFlags)).y;
 }
 
-// First entry of a level in the texel map, first tile of a MIP.
+// First tile's words of a level in the texel map, first tile of a MIP.
 uint texelOffset(LitObject object, uint level)
 {
     return texelFetch(objectTable, object.row + int(kTexelOfTexelOffsets + level / 4u))[level % 4u];

@@ -33,17 +33,35 @@ uint tileIndex(LitObject object, uint mip, uvec2 tile)
     return tileOffset(object, mip) + tile.y * tileCount(mipSize(object, mip)).x + tile.x;
 }
 
+// A lumel's texel. tileTexels: the second word of its tile.
+uint texelOfTile(Texels texels, uint tileTexels, uvec2 lumel)
+{
+    uint texel = tileTexels;
+    if ((tileTexels & kTexelsListed) != 0u) {
+        uint first = tileTexels & kTexelListMask, bits = texelListBits(tileTexels);
+        uint bit = texelPlace(lumel) * bits;
+        texel = texels.at[first + bit / 32u];
+        if (bits < 32u)
+            texel = texels.at[first + 2u * bits + bitfieldExtract(texel, int(bit % 32u), int(bits))];
+    }
+    return texel;
+}
+
+// The first of a tile's two words in the texel map.
+uint tileWords(LitObject object, uint level, uvec2 tile)
+{
+    uint across = (max(object.litSize.x >> level, 1u) + kTileSize - 1u) / kTileSize;
+    return texelOffset(object, level) + 2u * (tile.y * across + tile.x);
+}
+
 uint texelAt(LitObject object, uint level, uvec2 lumel)
 {
-    uint width = max(object.litSize.x >> level, 1u);
-    return object.texels.at[texelOffset(object, level) + lumel.y * width + lumel.x];
+    return texelOfTile(object.texels, object.texels.at[tileWords(object, level, lumel / kTileSize) + 1u], lumel);
 }
 
 uint quadMasks(LitObject object, uint mip, uvec2 tile)
 {
-    uvec2 size = mipSize(object, mip);
-    uint first = texelOffset(object, object.litLevel + mip) + size.x * size.y;
-    return object.texels.at[first + tile.y * tileCount(size).x + tile.x];
+    return object.texels.at[tileWords(object, object.litLevel + mip, tile)];
 }
 // Quads of a tile that surface covers whole.
 uint wholeQuads(LitObject object, uint mip, uvec2 tile)

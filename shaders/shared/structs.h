@@ -178,7 +178,7 @@ struct Object {
     uint lightJob;                 // of its tiles
     uint cachedJob;                // of those whose surface is cached; the next, where shadows are to be found
     uint lowerJob;                 // of its MIP 1 tiles; each coarser MIP's follows, the tail's is one
-    uint texelOffsets[kMaxLevels]; // first entry of each level in the texel map
+    uint texelOffsets[kMaxLevels]; // first tile's words of each level in the texel map
     float materialLevelOffset;     // material level = lit level + this, where the UVs are the same
     float emissiveLevelOffset;     // the same for emissive, a map of a size of its own
     uint tileOffsets[kMaxLevels];  // first tile of each MIP
@@ -315,10 +315,8 @@ struct Job {
 LUMEL_CONST uint kMaxJobGroups = 16384u;
 LUMEL_CONST uint kLowerTiles = 8u; // that a group of the lower pass looks at together
 
-// Texel map entry: triangle + 1 in the low 24 bits (0 = no surface near). In the high 8 bits coverage, 1 to
-// kFullCoverage; or, of a gutter lumel, kTexelGutter with where the nearest covered lumel lies. Each level is followed
-// by two masks of quads for each of its tiles: those with any surface or gutter; in the high half those that surface
-// covers whole.
+// Texel of a texel map: triangle + 1 in the low 24 bits (0 = no surface near). In the high 8 bits coverage, 1 to
+// kFullCoverage; or, of a gutter lumel, kTexelGutter with where the nearest covered lumel lies.
 LUMEL_CONST uint kTexelTriangleMask = 0xffffffu;
 LUMEL_CONST uint kTexelCoverageShift = 24u;
 LUMEL_CONST uint kFullCoverage = 127u;
@@ -338,6 +336,27 @@ LUMEL_FN ivec2 gutterSource(uint texel)
 {
     int code = int((texel & ~kTexelGutter) >> kTexelCoverageShift);
     return ivec2(code % (2 * kGutterReach + 1) - kGutterReach, code / (2 * kGutterReach + 1) - kGutterReach);
+}
+
+// A texel map has two words for each tile of each level. The first is two masks of its quads: those with any surface or
+// gutter; in the high half those that surface covers whole. The second is the texel that all its lumels are; or
+// kTexelsListed with where, in words of the map, its list lies: numbers of texels, by texelPlace(), then those texels.
+// A tile of more than 16 texels has 64 of them and no numbers.
+LUMEL_CONST uint kTexelsListed = 0x80000000u; // kTexelGutter: gutter texels are always listed
+LUMEL_CONST uint kTexelListShift = 29u; // the list's kind: numbers of 1, 2, 4 bits, or 64 texels
+LUMEL_CONST uint kTexelListMask = 0x1fffffffu;
+
+// Bits for each lumel in the list.
+LUMEL_FN uint texelListBits(uint tileTexels)
+{
+    uint kind = tileTexels >> kTexelListShift & 3u;
+    return kind == 3u ? 32u : 1u << kind;
+}
+// A lumel's place in its tile's list: quad by quad.
+LUMEL_FN uint texelPlace(uvec2 lumel)
+{
+    uint x = lumel.x % kTileSize, y = lumel.y % kTileSize;
+    return (y / kQuadSize * (kTileSize / kQuadSize) + x / kQuadSize) * kQuadLumels + y % kQuadSize * kQuadSize + x % kQuadSize;
 }
 
 // Levels of the feedback pass: kFeedbackFinest + n / kFeedbackScale, finer than any grid has where it is magnified.

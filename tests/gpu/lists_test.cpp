@@ -45,15 +45,15 @@ protected:
             const uint32_t lumels = 128u >> mip, across = (lumels + 7) / 8;
             object.texelOffsets[mip] = texels;
             object.tileOffsets[mip] = tiles;
-            texels += lumels * lumels + across * across; // and the tiles' masks
+            texels += 2 * across * across; // masks and texels
             tiles += across * across;
         }
         tilesAnObject_ = tiles;
         texels_ = list<uint32_t>(texels);            // no surface: no vertices are read
         for (uint32_t mip = 0; mip < kMips; ++mip) { // though there is some, say the masks
             const uint32_t lumels = 128u >> mip, across = (lumels + 7) / 8;
-            std::fill_n(texels_.mapped<uint32_t>() + object.texelOffsets[mip] + lumels * lumels,
-                        across * across, quadsOf(lumels));
+            for (uint32_t tile = 0; tile < across * across; ++tile)
+                texels_.mapped<uint32_t>()[object.texelOffsets[mip] + 2 * tile] = quadsOf(lumels);
         }
         states_ = list<shared::TileState>(size_t(count) * tiles);
         objects_ = list<shared::Object>(count);

@@ -44,7 +44,7 @@ FeedbackPass::FeedbackPass(const gpu::Device& device, glm::uvec2 size, const Sce
                    .color = vk::Format::eR32G32B32A32Uint})),
       count_(gpu::makeComputePipeline(device, "feedback.comp", {*scene.frameSet().layout(), *layout_},
                                       sizeof(shared::FeedbackPush))),
-      objectCount_(scene.objects().size()),
+      list_(device, scene.objects().size()), objectCount_(scene.objects().size()),
       objects_(device, std::vector(objectCount_, shared::ObjectFeedback{shared::kNotSeen, 0}), "feedback",
                gpu::FrameRing::kMostFrames),
       total_(device, std::vector{shared::FeedbackTotal{}}, "feedback total", gpu::FrameRing::kMostFrames)
@@ -74,8 +74,20 @@ void FeedbackPass::record(Frame& frame, uint32_t divisor)
                                             .imageLayout = vk::ImageLayout::eColorAttachmentOptimal,
                                             .loadOp = vk::AttachmentLoadOp::eClear,
                                             .storeOp = vk::AttachmentStoreOp::eStore};
+    // What hides others and what is seen: all but blended objects, which let everything through.
+    std::vector<uint32_t> solid;
+    std::vector<size_t> masked; // last: their hidden samples cost a depth test, no lookup
+    const auto& objects = frame.scene.objects();
+    for (size_t i = 0; i < frame.inView.size(); ++i)
+        if (frame.inView[i] && !objects[i].blend) {
+            if (objects[i].data.flags & shared::kObjectMask)
+                masked.push_back(i);
+            else
+                solid.push_back(uint32_t(i));
+        }
+    list_.write(frame, std::move(solid));
     beginRendering(commands, color, depth_.view(), extent);
-    drawObjects(frame);
+    drawObjects(frame, masked);
     commands.endRendering();
 
     gpu::imageBarrier(commands, seen_.handle(), seen_.aspect(), gpu::Use::colorWrite, gpu::Use::computeRead);
@@ -108,8 +120,7 @@ const gpu::Pipeline& FeedbackPass::maskPipeline(const Frame& frame, bool coloure
     return mask;
 }
 
-// What hides others and what is seen: all but blended objects, which let everything through.
-void FeedbackPass::drawObjects(Frame& frame)
+void FeedbackPass::drawObjects(Frame& frame, std::span<const size_t> masked)
 {
     // Samples stand for whole blocks, also where the picture's size is no multiple of theirs: the viewport
     // reaches past its edge by the same share.
@@ -120,26 +131,16 @@ void FeedbackPass::drawObjects(Frame& frame)
                               .divisor = float(divisor_),
                               .object = 0,
                               .size = samples_};
-    const auto& objects = frame.scene.objects();
-    std::vector<size_t> masked; // last: their hidden samples cost a depth test, no lookup
-    const auto draw = [&](const gpu::Pipeline& pipeline, size_t object) {
-        push.object = uint32_t(object);
-        pushConstants(frame.commands, pipeline, push);
-        drawTriangles(frame, object);
-    };
     bindSets(frame, vk::PipelineBindPoint::eGraphics, raster_);
-    for (size_t i = 0; i < frame.inView.size(); ++i) {
-        if (!frame.inView[i] || objects[i].blend)
-            continue;
-        if (objects[i].data.flags & shared::kObjectMask)
-            masked.push_back(i);
-        else
-            draw(raster_, i);
-    }
+    pushConstants(frame.commands, raster_, push);
+    list_.draw(frame);
     for (const size_t i : masked) {
-        const gpu::Pipeline& pipeline = maskPipeline(frame, objects[i].coloured);
-        bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline, {*objects[i].material->set});
-        draw(pipeline, i);
+        const GpuObject& object = frame.scene.objects()[i];
+        const gpu::Pipeline& pipeline = maskPipeline(frame, object.coloured);
+        bindSets(frame, vk::PipelineBindPoint::eGraphics, pipeline, {*object.material->set});
+        push.object = uint32_t(i);
+        pushConstants(frame.commands, pipeline, push);
+        drawTriangles(frame, i);
     }
 }
 

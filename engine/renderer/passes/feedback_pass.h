@@ -1,7 +1,7 @@
 // Need: which level of each object's lit texture does this view need? One sample of a block of pixels, in
 // each frame at another place of the block.
 #pragma once
-#include "frame_context.h"
+#include "draw_list.h"
 #include <map>
 
 namespace lumel {
@@ -42,7 +42,7 @@ public:
 private:
     void count(Frame& frame);
     const gpu::Pipeline& maskPipeline(const Frame& frame, bool coloured);
-    void drawObjects(Frame& frame);
+    void drawObjects(Frame& frame, std::span<const size_t> masked);
     glm::uvec2 samples_{0};
     uint32_t divisor_ = kDense;
     gpu::Image seen_, depth_;
@@ -50,6 +50,7 @@ private:
     vk::raii::DescriptorSet set_;
     gpu::Pipeline raster_, count_;
     std::map<uint32_t, gpu::Pipeline> masks_; // by kFeature..., made when first needed
+    DrawList list_;
     size_t objectCount_;
     gpu::Counters objects_, total_;
 };

@@ -59,19 +59,36 @@ void setCulling(Frame& frame, vk::CullModeFlags mode, vk::FrontFace front)
         frame.commands.setFrontFace(front);
 }
 
+static bool isDoubleSided(const GpuObject& object)
+{
+    return (object.data.flags & shared::kObjectDoubleSided) != 0;
+}
+
+bool drawAlike(const GpuObject& a, const GpuObject& b)
+{
+    return a.vertices == b.vertices && a.indices == b.indices && a.mirrored == b.mirrored &&
+           isDoubleSided(a) == isDoubleSided(b);
+}
+
+void bindMesh(Frame& frame, const GpuObject& object, uint32_t firstVertex)
+{
+    setCulling(frame, isDoubleSided(object) ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack,
+               object.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
+    if (std::exchange(frame.bound.indices, object.indices) != object.indices)
+        frame.commands.bindIndexBuffer(object.indices, 0, vk::IndexType::eUint32);
+    const bool moves = std::exchange(frame.bound.firstVertex, firstVertex) != firstVertex;
+    if (std::exchange(frame.bound.vertices, object.vertices) != object.vertices || moves)
+        frame.commands.bindVertexBuffers(0, {object.vertices, frame.scene.objectTable().handle()},
+                                         {firstVertex * sizeof(shared::Vertex), 0});
+}
+
 void drawTriangles(Frame& frame, size_t object)
 {
     const GpuObject& o = frame.scene.objects()[object];
-    const vk::CommandBuffer commands = frame.commands;
-    const bool doubleSided = o.data.flags & shared::kObjectDoubleSided;
-    setCulling(frame, doubleSided ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack,
-               o.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
+    // From its first vertex on: shaders look up colours by gl_VertexIndex.
+    bindMesh(frame, o, o.firstVertex);
     // Indexed, so that a vertex which triangles share is transformed once.
-    if (std::exchange(frame.bound.indices, o.indices) != o.indices)
-        commands.bindIndexBuffer(o.indices, 0, vk::IndexType::eUint32);
-    if (std::exchange(frame.bound.vertices, o.vertices) != o.vertices)
-        commands.bindVertexBuffers(0, {o.vertices, frame.scene.objectTable().handle()}, {0, 0});
-    commands.drawIndexed(o.indexCount, 1, 0, 0, uint32_t(object));
+    frame.commands.drawIndexed(o.indexCount, 1, o.firstIndex, 0, uint32_t(object));
 }
 
 } // namespace lumel

@@ -20,6 +20,7 @@ struct BoundState {
         std::array<vk::DescriptorSet, 3> sets;
     } graphics, compute;
     vk::Buffer vertices, indices;
+    uint32_t firstVertex = 0;
     std::optional<vk::CullModeFlags> cullMode;
     std::optional<vk::FrontFace> frontFace;
 };
@@ -87,6 +88,11 @@ void bindSets(Frame& frame, vk::PipelineBindPoint point, const gpu::Pipeline& pi
               std::initializer_list<vk::DescriptorSet> sets = {});
 
 void setCulling(Frame& frame, vk::CullModeFlags mode, vk::FrontFace front);
+
+// Whether two objects are drawn from the same buffers with the same winding and culling.
+bool drawAlike(const GpuObject& a, const GpuObject& b);
+// Sets that, and what is not bound already: vertices from `firstVertex` on.
+void bindMesh(Frame& frame, const GpuObject& object, uint32_t firstVertex);
 
 // Draws an object's triangles with the bound pipeline, its winding and culling set.
 void drawTriangles(Frame& frame, size_t object);

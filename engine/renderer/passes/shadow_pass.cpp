@@ -120,7 +120,8 @@ ShadowPass::ShadowPass(const gpu::Device& device, SceneState& scene)
                                                 .attributes = attributes(),
                                                 .sets = {*viewLayout_},
                                                 .pushBytes = sizeof(shared::ShadowPush),
-                                                .color = vk::Format::eUndefined}))
+                                                .color = vk::Format::eUndefined})),
+      list_(device, scene.objects().size())
 {
     allocate(device, scene, 1, 1);
 }
@@ -229,16 +230,43 @@ const gpu::Pipeline& ShadowPass::maskPipeline(const Frame& frame, bool coloured)
     return masked;
 }
 
-void ShadowPass::drawCaster(Frame& frame, const Map& map, size_t object)
+void ShadowPass::drawMasked(Frame& frame, const Map& map, size_t object)
 {
     const GpuObject& o = frame.scene.objects()[object];
-    const bool isMasked = o.data.flags & shared::kObjectMask;
-    const gpu::Pipeline& pipeline = isMasked ? maskPipeline(frame, o.coloured) : solid_;
-    const std::array sets{viewSet(frame), o.material ? *o.material->set : vk::DescriptorSet()};
-    bindAll(frame, vk::PipelineBindPoint::eGraphics, pipeline, {sets.data(), isMasked ? 2u : 1u});
+    const gpu::Pipeline& pipeline = maskPipeline(frame, o.coloured);
+    const std::array sets{viewSet(frame), *o.material->set};
+    bindAll(frame, vk::PipelineBindPoint::eGraphics, pipeline, sets);
     pushConstants(frame.commands, pipeline,
                   shared::ShadowPush{.clipFromWorld = map.clipFromWorld, .object = uint32_t(object)});
     drawTriangles(frame, object);
+}
+
+void ShadowPass::drawMap(Frame& frame, const Map& map, vk::ImageView layer,
+                         std::span<const LightSet> reaching)
+{
+    const auto& objects = frame.scene.objects();
+    const std::vector<uint8_t> inMap = objectsInView(objects, map.clipFromWorld);
+    std::vector<uint32_t> solid, masked;
+    for (size_t i = 0; i < inMap.size(); ++i)
+        if (inMap[i] && objects[i].casts && contains(reaching[i], map.light))
+            (objects[i].data.flags & shared::kObjectMask ? masked : solid).push_back(uint32_t(i));
+    list_.write(frame, std::move(solid));
+    const vk::RenderingAttachmentInfo depth{.imageView = layer,
+                                            .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
+                                            .loadOp = vk::AttachmentLoadOp::eClear,
+                                            .storeOp = vk::AttachmentStoreOp::eStore,
+                                            .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
+    frame.commands.beginRendering(
+        {.renderArea = {{0, 0}, maps_.extent()}, .layerCount = 1, .pDepthAttachment = &depth});
+    setViewport(frame.commands, maps_.extent());
+    const std::array sets{viewSet(frame)};
+    bindAll(frame, vk::PipelineBindPoint::eGraphics, solid_, sets);
+    pushConstants(frame.commands, solid_,
+                  shared::ShadowPush{.clipFromWorld = map.clipFromWorld, .object = 0});
+    list_.draw(frame);
+    for (const uint32_t object : masked)
+        drawMasked(frame, map, object);
+    frame.commands.endRendering();
 }
 
 void ShadowPass::record(Frame& frame)
@@ -255,19 +283,7 @@ void ShadowPass::record(Frame& frame)
         Map& map = known_[i];
         if (std::exchange(map.current, true))
             continue;
-        const vk::RenderingAttachmentInfo depth{.imageView = *layers_[i],
-                                                .imageLayout = vk::ImageLayout::eDepthAttachmentOptimal,
-                                                .loadOp = vk::AttachmentLoadOp::eClear,
-                                                .storeOp = vk::AttachmentStoreOp::eStore,
-                                                .clearValue = vk::ClearDepthStencilValue{0.0f, 0}};
-        commands.beginRendering(
-            {.renderArea = {{0, 0}, maps_.extent()}, .layerCount = 1, .pDepthAttachment = &depth});
-        setViewport(commands, maps_.extent());
-        const std::vector<uint8_t> inMap = objectsInView(frame.scene.objects(), map.clipFromWorld);
-        for (size_t object = 0; object < inMap.size(); ++object)
-            if (inMap[object] && frame.scene.objects()[object].casts && contains(reaching[object], map.light))
-                drawCaster(frame, map, object);
-        commands.endRendering();
+        drawMap(frame, map, *layers_[i], reaching);
     }
     gpu::imageBarrier(commands, maps_.handle(), maps_.aspect(), gpu::Use::depthWrite, gpu::Use::shaderSample);
 }

@@ -1,6 +1,7 @@
 // Shadow maps: how far the strongest sun and spot lights reach, rendered when a light or an object changes.
 #pragma once
-#include "frame_context.h"
+#include "draw_list.h"
+#include "renderer/resources/culling.h"
 
 namespace lumel {
 
@@ -26,12 +27,13 @@ private:
         bool current = false;
     };
     void allocate(const gpu::Device& device, SceneState& scene, uint32_t size, uint32_t layers);
+    void drawMap(Frame& frame, const Map& map, vk::ImageView layer, std::span<const LightSet> reaching);
+    void drawMasked(Frame& frame, const Map& map, size_t object);
     bool holds(uint32_t size, uint32_t layers) const
     {
         return maps_.info().width == size && maps_.info().layers == layers;
     }
     vk::DescriptorSet viewSet(const Frame& frame);
-    void drawCaster(Frame& frame, const Map& map, size_t object);
     const gpu::Pipeline& maskPipeline(const Frame& frame, bool coloured);
 
     // Set 0 of the casters' pipelines: the view alone. The frame's set holds the maps themselves, and
@@ -44,6 +46,7 @@ private:
     std::vector<Map> known_;
     Bounds bounds_; // of all that casts, wherever they have been: maps that follow each move would shimmer
     gpu::Pipeline solid_;
+    DrawList list_;                            // of what it draws
     std::map<uint32_t, gpu::Pipeline> masked_; // by features, made when first needed
 };
 

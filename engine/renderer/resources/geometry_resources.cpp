@@ -12,8 +12,6 @@ void upload(gpu::UploadBatch& batch, const scene::Mesh& mesh, GpuMesh& result)
     const auto buffer = [&](const auto& data, const char* what) {
         return batch.buffer(data, mesh.name + what, gpu::MemoryKind::geometry);
     };
-    result.vertices = buffer(mesh.vertices, " vertices");
-    result.indices = buffer(mesh.indices, " indices");
     result.colours = uploadColours(batch, mesh);
     result.indexCount = uint32_t(mesh.indices.size());
     const scene::Deformation& d = mesh.deformation;
@@ -48,8 +46,12 @@ GeometryResources::GeometryResources(const gpu::Device& device, const scene::Sce
 {
     meshes_.resize(scene.meshes.size()); // before the batch: it must not outlive what it fills
     gpu::UploadBatch batch(device);
-    for (size_t i = 0; i < meshes_.size(); ++i)
+    buffers_.upload(batch, scene.meshes);
+    for (size_t i = 0; i < meshes_.size(); ++i) {
+        meshes_[i].vertices = buffers_.parts()[i].vertices;
+        meshes_[i].indices = buffers_.parts()[i].indices;
         upload(batch, scene.meshes[i], meshes_[i]);
+    }
     for (const scene::Object& object : scene.objects)
         if (const std::pair key(object.mesh, object.material); !surfaces_.contains(key))
             surfaces_[key] = makeSurface(batch, scene, object, materials[size_t(object.material)]);

@@ -1,7 +1,7 @@
 // A scene's meshes on the GPU with their texel maps. They never change, so all renderers of a scene share
 // them, whatever its materials are baked by.
 #pragma once
-#include "gpu/upload.h"
+#include "mesh_buffers.h"
 #include "scene/materials.h"
 #include "tsl/texel_map.h"
 #include <map>
@@ -9,8 +9,8 @@
 namespace lumel {
 
 struct GpuMesh {
-    gpu::Buffer vertices, indices; // at rest
-    gpu::Buffer colours;           // none: all white
+    BufferPart vertices, indices; // at rest
+    gpu::Buffer colours;          // none: all white
     uint32_t indexCount = 0;
     // Of what moves its vertices; none where nothing does.
     gpu::Buffer influences, firstDeltas, deltas;
@@ -49,6 +49,7 @@ private:
     const GpuTexelMap* texelMapFor(gpu::UploadBatch& batch, const scene::Mesh& mesh, int index,
                                    glm::uvec2 grid);
 
+    MeshBuffers buffers_;
     std::vector<GpuMesh> meshes_;
     std::map<std::tuple<int, uint32_t, uint32_t>, GpuTexelMap> texelMaps_; // by mesh and grid
     std::map<std::pair<int, int>, GpuSurface> surfaces_;                   // by mesh and material

@@ -23,7 +23,7 @@ uint32_t flagsOf(const scene::Material& material, const GpuSurface& surface)
            (surface.texelMap ? shared::kObjectLightable : 0u);
 }
 
-shared::Object dataOf(const scene::Material& material, const GpuMesh& mesh, const gpu::Buffer& vertices,
+shared::Object dataOf(const scene::Material& material, const GpuMesh& mesh, const BufferPart& vertices,
                       const GpuSurface& surface)
 {
     shared::Object data{};
@@ -41,6 +41,14 @@ shared::Object dataOf(const scene::Material& material, const GpuMesh& mesh, cons
         std::ranges::copy(surface.texelMap->offsets, data.texelOffsets);
     }
     return data;
+}
+
+BufferPart verticesOf(const scene::Object& object, const GpuMesh& mesh, const DeformedMeshes& deformed)
+{
+    if (object.deformed < 0)
+        return mesh.vertices;
+    const gpu::Buffer& own = deformed.items()[size_t(object.deformed)].vertices;
+    return {.buffer = own.handle(), .start = own.address()};
 }
 
 } // namespace
@@ -65,16 +73,17 @@ GpuObject makeObject(const scene::Scene& scene, const scene::Object& object, con
     const scene::Material& material = scene.materials[size_t(object.material)];
     const GpuMesh& mesh = resources.geometry->meshes()[size_t(object.mesh)];
     const GpuSurface& surface = resources.geometry->surface(object.mesh, object.material);
-    const gpu::Buffer& vertices =
-        object.deformed >= 0 ? deformed.items()[size_t(object.deformed)].vertices : mesh.vertices;
+    const BufferPart vertices = verticesOf(object, mesh, deformed);
     // An object that emits everywhere stands for a light, and would shadow it.
     const bool emits = material.unlit || (material.emissive != glm::vec3(0.0f) && material.emissiveImage < 0);
     const bool blend = material.alphaMode == scene::AlphaMode::blend;
     GpuObject result{.data = dataOf(material, mesh, vertices, surface),
                      .material = &resources.materials->all()[size_t(object.material)],
                      .texelMap = surface.texelMap,
-                     .vertices = vertices.handle(),
-                     .indices = mesh.indices.handle(),
+                     .vertices = vertices.buffer,
+                     .indices = mesh.indices.buffer,
+                     .firstVertex = vertices.first,
+                     .firstIndex = mesh.indices.first,
                      .indexCount = mesh.indexCount,
                      .bounds = scene.meshes[size_t(object.mesh)].bounds,
                      .deformed = object.deformed,

@@ -10,7 +10,7 @@ struct GpuObject {
     const GpuMaterial* material = nullptr;
     const GpuTexelMap* texelMap = nullptr; // null: not to be lit in texture space
     vk::Buffer vertices, indices;
-    uint32_t indexCount = 0;
+    uint32_t firstVertex = 0, firstIndex = 0, indexCount = 0;
     Bounds bounds;     // object space
     int deformed = -1; // in SceneState::deformedMeshes()
     bool blend = false;
