@@ -202,10 +202,10 @@ float mipPosition(LitObject object, float level)
     return clamp(level - float(object.litLevel), object.finest, float(object.mips - 1u));
 }
 
-// The finer MIP serves the first three quarters of its range alone; over the last one the coarser takes over. Where it
-// did from the middle on, pictures and their changes in motion were farther from the reference.
+// The finer MIP serves most of its range alone; over the last eighth the coarser takes over. Where it did from the middle
+// on, pictures and their changes in motion were farther from the reference.
 float coarserWeight(float position)
 {
-    return clamp(4.0 * fract(position) - 3.0, 0.0, 1.0);
+    return clamp(8.0 * fract(position) - 7.0, 0.0, 1.0);
 }
 #endif
