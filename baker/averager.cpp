@@ -52,6 +52,16 @@ void Averager::gather(const Lobes& lobes, const std::vector<Member>& members, co
         average(lobes, members, shared, isBlack, cell);
 }
 
+void Averager::list(const Lobes& lobes, const std::vector<Member>& members, Cell& cell)
+{
+    cell.clear();
+    for (const Member& member : members) {
+        cell.add(lobes, member.lobe, member.area);
+        cell.list.add(lobes, member.lobe, member.area);
+    }
+    cell.shortenList();
+}
+
 void Averager::average(const Lobes& lobes, const std::vector<Member>& members, const Nodes* shared,
                        bool isBlack, Cell& cell)
 {

@@ -21,6 +21,8 @@ public:
     // whole map `isBlack`.
     void gather(const Lobes& lobes, const std::vector<Member>& members, const Nodes* shared, bool isBlack,
                 Cell& cell);
+    // Lists them in place of sums.
+    static void list(const Lobes& lobes, const std::vector<Member>& members, Cell& cell);
     // The second half of gather(): the sums, uniform or not.
     void average(const Lobes& lobes, const std::vector<Member>& members, const Nodes* shared, bool isBlack,
                  Cell& cell);

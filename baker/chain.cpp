@@ -16,7 +16,8 @@ constexpr int kBlock = 32; // level-0 texels that are worked on at once, on each
 } // namespace
 
 Chain::Chain(const Maps& maps, const Options& options, Progress* progress)
-    : maps_(maps), options_(options), progress_(progress), source_(maps)
+    : maps_(maps), options_(options), progress_(progress), source_(maps),
+      usesLists_(options.method == Method::fit && options.precision > 0.0f)
 {
     // For that method, and as a guess that no fit may lose to.
     if (options.method == Method::height || (options.method == Method::fit && !maps.height.empty()))
@@ -178,7 +179,7 @@ void Chain::fineLevel(int number)
 bool Chain::nests(CoarseCells& cells) const
 {
     const int texels = 1 << cells.firstLevel();
-    return cells.sharedNodes() && options_.reconstruction == Reconstruction::box &&
+    return (usesLists_ || cells.sharedNodes()) && options_.reconstruction == Reconstruction::box &&
            source_.width() % texels == 0 && source_.height() % texels == 0;
 }
 

@@ -109,7 +109,7 @@ void Solver::chooseStarts(const Selection& selection, Family family)
         for (int i = 0; i < task.childCount; ++i)
             starts_.push_back({t, task.children[size_t(i)].shape});
     }
-    run(starts_, family, Against::mixture, found_);
+    run(starts_, family, Against::children, found_);
     for (size_t i = 0; i < starts_.size(); ++i) {
         Found* start = texels_[starts_[i].texel].start;
         const bool other = start[0].error < kNoError && distinct(found_[i].shape, start[0].shape);
@@ -132,7 +132,7 @@ void Solver::searchExactly(const Selection& selection, Family family)
         for (const uint32_t t : rest)
             if (texels_[t].start[rank].error < kNoError)
                 starts_.push_back({t, texels_[t].start[rank].shape});
-        run(starts_, family, Against::nodes, found_);
+        run(starts_, family, Against::average, found_);
         keep(starts_, found_, family);
         rest = above(rest, family, kRetryError);
     }
@@ -173,8 +173,34 @@ void Solver::searchClosedForms(const Selection& selection, Family family)
         if (found_[i].error < texels_[starts_[i].texel].best[family].error)
             better.push_back(starts_[i]);
     keep(starts_, found_, family);
-    run(better, family, Against::nodes, found_);
+    run(better, family, Against::average, found_);
     keep(better, found_, family);
+}
+
+// Where the lobe of the list's moments is good enough, it stays.
+Solver::Selection Solver::settle(const Selection& selection, Family family)
+{
+    starts_.clear();
+    for (const uint32_t t : selection)
+        if (texels_[t].listedCount > 0) {
+            const Shape& lean = texels_[t].lean;
+            starts_.push_back({t, family == kIsotropic ? isotropicShape(lean) : lean});
+        }
+    judge(starts_, found_);
+    keep(starts_, found_, family);
+    if (family == kAnisotropic)
+        for (size_t i = 0; i < starts_.size(); ++i)
+            texels_[starts_[i].texel].leanError = found_[i].error;
+    return above(selection, family, options_.precision);
+}
+
+void Solver::mergeLists(const Selection& selection)
+{
+    // What a list may lose, of the precision; errors of neighbours add up on coarser levels.
+    constexpr float kShare = 0.05f;
+    for (const uint32_t t : selection)
+        if (texels_[t].task.list && texels_[t].leanError < kShare * options_.precision)
+            texels_[t].task.list->merge(texels_[t].lean);
 }
 
 void Solver::fitIsotropic(const Selection& selection)
@@ -200,7 +226,7 @@ void Solver::fitAnisotropic(const Selection& selection)
             starts_.push_back({t, best[kIsotropic].shape});
         }
     }
-    run(starts_, kAnisotropic, Against::nodes, found_);
+    run(starts_, kAnisotropic, Against::average, found_);
     keep(starts_, found_, kAnisotropic);
 }
 

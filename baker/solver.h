@@ -25,7 +25,8 @@ struct TexelTask {
     int childCount = 0;
     // The LEAN lobe of a part of the texel as a child.
     void addChild(const Moments& mean, double share);
-    float* texel = nullptr; // kChannels floats to fill
+    LobeList* list = nullptr; // of coarser texels: it becomes one lobe where that is as good
+    float* texel = nullptr;   // kChannels floats to fill
     // In an isotropic chain, the anisotropic fit of the texel: a starting point for the next level.
     float* anisotropicFit = nullptr;
 };
@@ -53,9 +54,11 @@ private:
     struct Texel {
         TexelTask task;
         size_t firstNode, nodeCount;
-        size_t firstTerm;
+        size_t firstTerm;                       // of the children
+        size_t firstListed = 0, listedCount = 0; // terms of the whole list, in place of nodes
         float energy, maxLog;
-        Shape lean;
+        Shape lean;                 // the closed form of the moments
+        float leanError = kNoError; // where there is a list
         bool startsAtLean = false; // the last exact search did
         Found best[2];             // by family
         Found start[2];            // the two best minima of the mixture
@@ -63,27 +66,34 @@ private:
     using Selection = std::vector<uint32_t>;
 
     double weighNodes(size_t first);
-    void addMixture(Texel& texel);
+    void addChildren(Texel& texel);
+    void addList(Texel& texel, const Cell& cell);
     // One search for each of `starts` (texel, shape).
     struct Start {
         uint32_t texel;
         Shape shape;
     };
-    enum class Against { mixture, nodes };
+    enum class Against { children, average };
+    FitJob jobOf(const Start& start, Family family, Against against) const;
     void run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found);
     // The lobes without a search.
     void judge(const std::vector<Start>& starts, std::vector<Found>& found);
+    void judgeOnNodes(const std::vector<Start>& starts, std::vector<Found>& found);
+    // Closed forms; returns where a search is needed.
+    Selection settle(const Selection& selection, Family family);
     void keep(const std::vector<Start>& starts, const std::vector<Found>& found, Family family);
     void chooseStarts(const Selection& selection, Family family);
     void searchExactly(const Selection& selection, Family family);
     void addClosedForms(uint32_t texel, Family family);
     void searchClosedForms(const Selection& selection, Family family);
+    void mergeLists(const Selection& selection);
     void fitIsotropic(const Selection& selection);
     void fitAnisotropic(const Selection& selection);
     Selection above(const Selection& selection, Family family, float error) const;
     Selection doubtful(const Selection& selection, Family family, float error) const;
     void write(const Texel& texel, const Found& found, float* to, bool ownKs);
     void writeSpecular(const Texel& texel, const Found& found, float* to, bool ownKs);
+    void projectColours(const Texel& texel, const Shape& shape, double ks, float* to) const;
 
     const Kernels& kernels_;
     Options options_;
@@ -92,6 +102,8 @@ private:
     NodeSet nodes_;                                // of all texels
     std::vector<float> weight_, channelWeight_[3]; // area * G there
     std::vector<MixtureTerm> terms_;
+    std::vector<MixtureTerm> listed_;
+    std::vector<ListedLobe> listedLobes_; // the same
     std::vector<FitJob> jobs_;
     std::vector<FitJob*> order_;
     std::vector<Trial> trials_;
