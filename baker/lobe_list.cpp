@@ -5,44 +5,97 @@
 namespace lumel::baker {
 namespace {
 
-using Span = std::span<ListedLobe>;
+// A lobe on the disc and its weight: what it reflects, or a little, so that a black list has any.
+struct Item {
+    double weight, x, y;
+    Sym2 covariance;
+    uint32_t lobe;
+};
 
-// Weighted moments on the disc. Lobes that reflect nothing count a little, so that a black list has any.
+Item itemOf(const ListedLobe& l, uint32_t index)
+{
+    const Shape& s = l.shape;
+    const double weight = double(l.mass()) + 1e-9 * double(l.area);
+    return {weight, s.nx, s.ny, DiscFrame({s.nx, s.ny, l.nz}).toDisc({s.sxx, s.sxy, s.syy}), index};
+}
+
+// Weighted means.
 struct DiscMoments {
-    double weight = 0.0;
-    glm::dvec2 mean{0.0};
-    Sym2 outer, covariance; // of the normals about the origin; of the lobes
+    double weight = 0.0, x = 0.0, y = 0.0;
+    Sym2 spread, covariance; // of the normals; of the lobes
+    double widths = 0.0;     // variance of the lobes' covariances, relative to their mean
 
-    explicit DiscMoments(std::span<const ListedLobe> lobes)
+    explicit DiscMoments(std::span<const Item> items)
     {
-        for (const ListedLobe& l : lobes) {
-            const Shape& s = l.shape;
-            const double w = double(l.mass()) + 1e-9 * double(l.area), x = s.nx, y = s.ny;
-            weight += w;
-            mean += w * glm::dvec2(x, y);
-            outer = outer + Sym2{x * x, x * y, y * y} * w;
-            covariance = covariance + DiscFrame({x, y, l.nz}).toDisc({s.sxx, s.sxy, s.syy}) * w;
+        Sym2 outer;
+        double squares = 0.0;
+        for (const Item& i : items) {
+            const Sym2& c = i.covariance;
+            weight += i.weight;
+            x += i.weight * i.x;
+            y += i.weight * i.y;
+            outer = outer + Sym2{i.x * i.x, i.x * i.y, i.y * i.y} * i.weight;
+            covariance = covariance + c * i.weight;
+            squares += i.weight * (c.xx * c.xx + 2.0 * c.xy * c.xy + c.yy * c.yy);
         }
         const double f = 1.0 / weight;
-        mean *= f;
-        outer = outer * f;
+        x *= f;
+        y *= f;
         covariance = covariance * f;
-    }
-    // Of the normals.
-    Sym2 spread() const
-    {
-        return outer + Sym2{mean.x * mean.x, mean.x * mean.y, mean.y * mean.y} * -1.0;
+        spread = outer * f + Sym2{x * x, x * y, y * y} * -1.0;
+        const Sym2& c = covariance;
+        widths = std::max(0.0, squares * f / (c.xx * c.xx + 2.0 * c.xy * c.xy + c.yy * c.yy) - 1.0);
     }
 };
 
 Shape shapeOf(const DiscMoments& m)
 {
-    const glm::vec3 n = shared::lobeNormal(glm::vec2(m.mean));
-    const Sym2 s = clampPowers(DiscFrame(glm::dvec3(n)).fromDisc(m.spread() + m.covariance));
+    const glm::vec3 n = shared::lobeNormal(glm::vec2(m.x, m.y));
+    const Sym2 s = clampPowers(DiscFrame(glm::dvec3(n)).fromDisc(m.spread + m.covariance));
     return {n.x, n.y, float(s.xx), float(s.xy), float(s.yy)};
 }
 
-ListedLobe merged(std::span<const ListedLobe> lobes, const Shape& shape)
+// A part of a list, and what it loses as one lobe.
+struct Group {
+    std::span<Item> items;
+    DiscMoments moments;
+    double normals = 0.0; // square of the normals' variance, relative to the lobes'
+    double loss = 0.0;
+
+    explicit Group(std::span<Item> of) : items(of), moments(of)
+    {
+        if (items.size() == 1)
+            return;
+        const Sym2 p = moments.covariance.inverse(), &c = moments.spread;
+        const double variance = std::max(0.0, p.xx * c.xx + 2.0 * p.xy * c.xy + p.yy * c.yy);
+        normals = variance * variance;
+        // The lobe matches all moments up to the second; E goes with the square of the fourth cumulant, and is
+        // of the group's own energy.
+        const double cumulant = normals + 1.5 * moments.widths;
+        loss = moments.weight * moments.weight * std::sqrt(p.det()) * cumulant * cumulant;
+    }
+    bool operator<(const Group& o) const { return loss < o.loss; }
+
+    // By width, or at the mean along the axis of largest spread.
+    std::pair<Group, Group> split() const
+    {
+        const Sym2& c = moments.spread;
+        const double angle = 0.5 * std::atan2(2.0 * c.xy, c.xx - c.yy), ax = std::cos(angle), ay = std::sin(angle);
+        const bool byWidth = 1.5 * moments.widths > normals;
+        const double at = byWidth ? moments.covariance.xx + moments.covariance.yy : ax * moments.x + ay * moments.y;
+        const auto middle = std::partition(items.begin(), items.end(), [&](const Item& i) {
+            return (byWidth ? i.covariance.xx + i.covariance.yy : ax * i.x + ay * i.y) < at;
+        });
+        size_t count = size_t(middle - items.begin());
+        if (count == 0 || count == items.size()) // no difference there
+            count = items.size() / 2;
+        return {Group(items.first(count)), Group(items.subspan(count))};
+    }
+};
+
+// One lobe of this shape that reflects as much.
+template<class Range>
+ListedLobe merged(const Range& lobes, const Shape& shape)
 {
     ListedLobe one{};
     one.shape = shape;
@@ -57,38 +110,13 @@ ListedLobe merged(std::span<const ListedLobe> lobes, const Shape& shape)
     return one;
 }
 
-// A part of a list, and how far its lobes are from one: what splits first.
-struct Group {
-    Span lobes;
-    double distance;
-    bool operator<(const Group& o) const { return distance < o.distance; }
-};
-
-Group makeGroup(Span lobes)
+std::vector<Item> itemsOf(const std::vector<ListedLobe>& lobes)
 {
-    if (lobes.size() == 1)
-        return {lobes, 0.0};
-    const DiscMoments m(lobes);
-    const Sym2 p = m.covariance.inverse(), c = m.spread();
-    const double trace = p.xx * c.xx + 2.0 * p.xy * c.xy + p.yy * c.yy;
-    return {lobes, m.weight * trace};
-}
-
-// At the mean along the axis of largest spread.
-std::pair<Group, Group> split(const Group& group)
-{
-    const DiscMoments m(group.lobes);
-    const Sym2 c = m.spread();
-    const double angle = 0.5 * std::atan2(2.0 * c.xy, c.xx - c.yy);
-    const glm::dvec2 axis(std::cos(angle), std::sin(angle));
-    const double at = glm::dot(axis, m.mean);
-    const auto middle = std::partition(group.lobes.begin(), group.lobes.end(), [&](const ListedLobe& l) {
-        return glm::dot(axis, glm::dvec2(l.shape.nx, l.shape.ny)) < at;
-    });
-    size_t count = size_t(middle - group.lobes.begin());
-    if (count == 0 || count == group.lobes.size()) // equal normals
-        count = group.lobes.size() / 2;
-    return {makeGroup(group.lobes.first(count)), makeGroup(group.lobes.subspan(count))};
+    std::vector<Item> items;
+    items.reserve(lobes.size());
+    for (const ListedLobe& lobe : lobes)
+        items.push_back(itemOf(lobe, uint32_t(items.size())));
+    return items;
 }
 
 } // namespace
@@ -113,18 +141,22 @@ void LobeList::reduce()
 {
     if (lobes_.size() <= kMost)
         return;
+    std::vector<Item> items = itemsOf(lobes_);
     std::priority_queue<Group> groups;
-    groups.push(makeGroup(lobes_));
-    while (groups.size() < kMost) {
-        const auto [a, b] = split(groups.top());
+    groups.emplace(items);
+    while (groups.size() < kMost && groups.top().loss > 0.0) {
+        const auto [a, b] = groups.top().split();
         groups.pop();
         groups.push(a);
         groups.push(b);
     }
-    std::vector<ListedLobe> fewer;
+    std::vector<ListedLobe> fewer, part;
     for (; !groups.empty(); groups.pop()) {
-        const Span lobes = groups.top().lobes;
-        fewer.push_back(lobes.size() == 1 ? lobes.front() : merged(lobes, shapeOf(DiscMoments(lobes))));
+        const Group& group = groups.top();
+        part.clear();
+        for (const Item& item : group.items)
+            part.push_back(lobes_[item.lobe]);
+        fewer.push_back(part.size() == 1 ? part.front() : merged(part, shapeOf(group.moments)));
     }
     lobes_ = std::move(fewer);
 }
@@ -137,7 +169,7 @@ void LobeList::merge(const Shape& shape)
 
 Shape LobeList::matchedShape() const
 {
-    return shapeOf(DiscMoments(lobes_));
+    return shapeOf(DiscMoments(itemsOf(lobes_)));
 }
 
 MixtureTerm termOf(const ListedLobe& l, float area, bool isBlack)

@@ -17,7 +17,7 @@ struct ListedLobe {
 class LobeList {
 public:
     // Most lobes of a list that was reduced.
-    static constexpr size_t kMost = 64;
+    static constexpr size_t kMost = 128;
 
     const std::vector<ListedLobe>& lobes() const { return lobes_; }
     bool empty() const { return lobes_.empty(); }
