@@ -11,7 +11,7 @@
 
 namespace lumel::baker {
 
-inline constexpr const char* kVersion = "4"; // part of the cache key: raise when results change
+inline constexpr const char* kVersion = "5"; // part of the cache key: raise when results change
 
 enum class Method { fit, average, flat, height, toksvig, lean };
 enum class Model { blinnPhong, ashikhminShirley };

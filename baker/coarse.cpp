@@ -213,7 +213,7 @@ void CoarseCells::solveLevel(int number)
     const int total = level.width * level.height;
     constexpr int kBatch = 64;
     tbb::parallel_for(tbb::blocked_range<int>(0, (total + kBatch - 1) / kBatch), [&](const auto& range) {
-        Solver solver(chain_.options_, chain_.source_.colouredSpecular());
+        Solver solver(chain_.options_, chain_.source_);
         for (int batch = range.begin(); batch < range.end(); ++batch) {
             const int end = std::min((batch + 1) * kBatch, total);
             for (int t = batch * kBatch; t < end; ++t)

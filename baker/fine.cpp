@@ -6,7 +6,7 @@ namespace lumel::baker {
 
 FineTile::FineTile(Chain& chain, const CoarseCells* cells)
     : chain_(chain), shared_(cells ? cells->sharedNodes() : nullptr), isBlack_(cells && cells->isBlack()),
-      solver_(chain.options_, chain.source_.colouredSpecular()), averager_(chain.source_)
+      solver_(chain.options_, chain.source_), averager_(chain.source_)
 {
 }
 

@@ -121,6 +121,18 @@ std::vector<Item> itemsOf(const std::vector<ListedLobe>& lobes)
 
 } // namespace
 
+void ListedLobe::store(Lobes& lobes, size_t i) const
+{
+    lobes.nx[i] = shape.nx;
+    lobes.ny[i] = shape.ny;
+    lobes.nz[i] = nz;
+    lobes.sxx[i] = shape.sxx;
+    lobes.sxy[i] = shape.sxy;
+    lobes.syy[i] = shape.syy;
+    for (int c = 0; c < 3; ++c)
+        lobes.ks[c][i] = ks[c];
+}
+
 void LobeList::add(const Lobes& lobes, size_t i, float area)
 {
     lobes_.push_back({{lobes.nx[i], lobes.ny[i], lobes.sxx[i], lobes.sxy[i], lobes.syy[i]},

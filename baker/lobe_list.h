@@ -11,6 +11,7 @@ struct ListedLobe {
     float nz;
     float area;
     float ks[3];
+    void store(Lobes& lobes, size_t index) const;
     float mass() const { return area * float(0.2126f * ks[0] + 0.7152f * ks[1] + 0.0722f * ks[2]); }
 };
 

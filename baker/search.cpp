@@ -177,6 +177,60 @@ void Solver::searchClosedForms(const Selection& selection, Family family)
     keep(better, found_, family);
 }
 
+// Gaussians misjudge E by about its product with the lobes' variance.
+bool Solver::isGaussian(const Found& found) const
+{
+    constexpr float kMisjudged = 2.0f;
+    const Shape& s = found.shape;
+    return kMisjudged * found.error * std::max(s.sxx, s.syy) < options_.precision &&
+           s.nx * s.nx + s.ny * s.ny < kSteepTilt;
+}
+
+// Are minima of the mixture no guide to those of the error?
+bool Solver::isAstray(const Found& found) const
+{
+    const Shape& s = found.shape;
+    return s.nx * s.nx + s.ny * s.ny > kSteepTilt ||
+           (std::max(s.sxx, s.syy) > kBroadVariance && found.error > kRetryError);
+}
+
+// Where lobes are no Gaussians, the search goes on at nodes.
+void Solver::polish(const Selection& selection, bool isotropicToo)
+{
+    Selection polished, astray;
+    for (const uint32_t t : selection) {
+        Texel& texel = texels_[t];
+        if (texel.listedCount == 0 ||
+            (isGaussian(texel.best[kAnisotropic]) && (!isotropicToo || isGaussian(texel.best[kIsotropic]))))
+            continue;
+        addNodes(texel);
+        if (isAstray(texel.best[kAnisotropic]) || (isotropicToo && isAstray(texel.best[kIsotropic]))) {
+            astray.push_back(t);
+            texel.best[kIsotropic] = texel.best[kAnisotropic] = {};
+        } else {
+            polished.push_back(t);
+        }
+    }
+    fitAnisotropic(astray);
+    if (isotropicToo)
+        fitIsotropic(astray);
+    for (const Family family : {kIsotropic, kAnisotropic}) {
+        starts_.clear();
+        for (const uint32_t t : polished) {
+            Found& best = texels_[t].best[family];
+            if (best.error < kNoError)
+                starts_.push_back({t, best.shape});
+            best = {};
+        }
+        run(starts_, family, Against::average, found_);
+        keep(starts_, found_, family);
+        if (family == kIsotropic && !isotropicToo)
+            continue;
+        searchClosedForms(above(polished, family, kQuadratureError), family);
+    }
+    keepIsotropic(polished);
+}
+
 // Where the lobe of the list's moments is good enough, it stays.
 Solver::Selection Solver::settle(const Selection& selection, Family family)
 {
@@ -218,8 +272,14 @@ void Solver::fitAnisotropic(const Selection& selection)
     // Retry from the isotropic fit, so that the result is never worse than it.
     const Selection retried = doubtful(selection, kAnisotropic, kRetryError);
     fitIsotropic(retried);
+    keepIsotropic(retried);
+}
+
+// An isotropic lobe that is better than the anisotropic one, and a search from it.
+void Solver::keepIsotropic(const Selection& selection)
+{
     starts_.clear();
-    for (const uint32_t t : retried) {
+    for (const uint32_t t : selection) {
         Found* best = texels_[t].best;
         if (best[kIsotropic].error < best[kAnisotropic].error) {
             best[kAnisotropic] = best[kIsotropic];

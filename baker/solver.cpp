@@ -8,8 +8,8 @@ void TexelTask::addChild(const Moments& part, double share)
     children[size_t(childCount++)] = {leanShape(part), float(luminance(part.ks)), float(share)};
 }
 
-Solver::Solver(const Options& options, bool colouredSpecular)
-    : kernels_(kernels()), options_(options), coloured_(colouredSpecular)
+Solver::Solver(const Options& options, const Source& source)
+    : kernels_(kernels()), options_(options), coloured_(source.colouredSpecular()), averager_(source, false)
 {
 }
 
@@ -19,13 +19,10 @@ void Solver::add(const TexelTask& task, const Cell& cell)
     texel.task = task;
     texel.firstNode = nodes_.size();
     texel.nodeCount = 0;
-    if (cell.list.empty()) {
-        cell.patch.appendTo(nodes_, channelWeight_, float(1.0 / cell.sum.weight), channels());
-        texel.nodeCount = nodes_.size() - texel.firstNode;
-        texel.energy = std::max(float(weighNodes(texel.firstNode)), 1e-30f);
-    } else {
+    if (cell.list.empty())
+        addPatch(texel, cell);
+    else
         addList(texel, cell);
-    }
     // No fit needs to be narrower than the narrowest lobe under the texel; the margin lets the minimiser
     // overshoot.
     const double narrowest = 1.1 * std::max(1.0, task.mean.maxPower);
@@ -36,6 +33,29 @@ void Solver::add(const TexelTask& task, const Cell& cell)
     texels_.push_back(texel);
 }
 
+void Solver::addPatch(Texel& texel, const Cell& cell)
+{
+    texel.firstNode = nodes_.size();
+    cell.patch.appendTo(nodes_, channelWeight_, float(1.0 / cell.sum.weight), channels());
+    texel.nodeCount = nodes_.size() - texel.firstNode;
+    texel.energy = std::max(float(weighNodes(texel.firstNode)), 1e-30f);
+}
+
+void Solver::addNodes(Texel& texel)
+{
+    lobes_.resize(texel.listedCount);
+    members_.clear();
+    cell_.clear();
+    for (size_t i = 0; i < texel.listedCount; ++i) {
+        listedLobes_[texel.firstListed + i].store(lobes_, i);
+        members_.push_back({uint32_t(i), listedLobes_[texel.firstListed + i].area});
+        cell_.add(lobes_, i, double(members_.back().area));
+    }
+    averager_.average(lobes_, members_, nullptr, false, cell_);
+    addPatch(texel, cell_);
+    texel.listedCount = 0;
+}
+
 // The lobes themselves as Gaussians.
 void Solver::addList(Texel& texel, const Cell& cell)
 {
@@ -44,8 +64,7 @@ void Solver::addList(Texel& texel, const Cell& cell)
     texel.listedCount = cell.list.lobes().size();
     for (const ListedLobe& lobe : cell.list.lobes())
         listed_.push_back(termOf(lobe, float(cell.sum.weight), black));
-    if (coloured_)
-        listedLobes_.insert(listedLobes_.end(), cell.list.lobes().begin(), cell.list.lobes().end());
+    listedLobes_.insert(listedLobes_.end(), cell.list.lobes().begin(), cell.list.lobes().end());
     texel.energy =
         std::max(kernels_.mixtureEnergy(&listed_[texel.firstListed], int(texel.listedCount)), 1e-30f);
 }
@@ -232,6 +251,7 @@ void Solver::solve()
     fitAnisotropic(settle(selection, kAnisotropic));
     if (isotropic)
         fitIsotropic(settle(selection, kIsotropic));
+    polish(selection, isotropic);
     mergeLists(selection);
     for (const Texel& texel : texels_) {
         const bool ownKs = texel.task.uniform || (texel.task.fixed && !options_.bestKs);
@@ -319,7 +339,7 @@ void Solver::projectColours(const Texel& texel, const Shape& shape, double ks, f
         const MixtureTerm& m = listed_[i];
         const ListedLobe& l = listedLobes_[i];
         const Sym2 p = Sym2{double(m.sxx) + lobe.sxx, double(m.sxy) + lobe.sxy, double(m.syy) + lobe.syy}.inverse();
-        const double c = glm::dot(n, glm::dvec3(m.nx, m.ny, m.nz)), stretch = 1.0 + 0.375 * (1.0 - c);
+        const double c = glm::dot(n, glm::dvec3(m.nx, m.ny, m.nz)), stretch = 1.0 + 0.375 * (1.0 - c); // as in fit_mixture.inl
         const double a = stretch * (m.nx - n.x * c) / frame.a, b = stretch * (n.z * m.ny - n.y * m.nz) / frame.a;
         const double value = std::sqrt(p.det()) * std::exp(-0.5 * (a * a * p.xx + 2.0 * a * b * p.xy + b * b * p.yy));
         const double share = double(l.area) * std::sqrt(double(l.nz)) * value;

@@ -1,6 +1,6 @@
 // From a batch of texels with their average reflectance at quadrature nodes to fitted texels.
 #pragma once
-#include "cell.h"
+#include "averager.h"
 #include "closed_form.h"
 #include "fit_kernel.h"
 #include <array>
@@ -33,7 +33,7 @@ struct TexelTask {
 
 class Solver {
 public:
-    explicit Solver(const Options& options, bool colouredSpecular);
+    Solver(const Options& options, const Source& source);
 
     // Adds a texel with its sums; one channel (luminance) unless the specular is coloured.
     void add(const TexelTask& task, const Cell& cell);
@@ -67,6 +67,7 @@ private:
 
     double weighNodes(size_t first);
     void addChildren(Texel& texel);
+    void addPatch(Texel& texel, const Cell& cell);
     void addList(Texel& texel, const Cell& cell);
     // One search for each of `starts` (texel, shape).
     struct Start {
@@ -79,6 +80,11 @@ private:
     // The lobes without a search.
     void judge(const std::vector<Start>& starts, std::vector<Found>& found);
     void judgeOnNodes(const std::vector<Start>& starts, std::vector<Found>& found);
+    // Sums at nodes in place of lists where lobes are no Gaussians.
+    void addNodes(Texel& texel);
+    bool isGaussian(const Found& found) const;
+    bool isAstray(const Found& found) const;
+    void polish(const Selection& selection, bool isotropicToo);
     // Closed forms; returns where a search is needed.
     Selection settle(const Selection& selection, Family family);
     void keep(const std::vector<Start>& starts, const std::vector<Found>& found, Family family);
@@ -88,6 +94,7 @@ private:
     void searchClosedForms(const Selection& selection, Family family);
     void mergeLists(const Selection& selection);
     void fitIsotropic(const Selection& selection);
+    void keepIsotropic(const Selection& selection);
     void fitAnisotropic(const Selection& selection);
     Selection above(const Selection& selection, Family family, float error) const;
     Selection doubtful(const Selection& selection, Family family, float error) const;
@@ -98,6 +105,10 @@ private:
     const Kernels& kernels_;
     Options options_;
     bool coloured_;
+    Averager averager_;
+    Lobes lobes_;
+    std::vector<Member> members_;
+    Cell cell_;
     std::vector<Texel> texels_;
     NodeSet nodes_;                                // of all texels
     std::vector<float> weight_, channelWeight_[3]; // area * G there
