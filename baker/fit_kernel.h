@@ -30,8 +30,8 @@ inline constexpr float kBase = 0.5f;
 inline constexpr float kLowestLog = -0.34657359f; // of l1 and l2: ln(kMinPower - kBase) / 2
 enum Unknown { kX, kY, kL1, kL2, kL3, kB11, kB21, kB22, kUnknowns };
 
-// G as a few Gaussian lobes (fit_mixture.inl): covariance (P + I)^-1 in the normal's frame, and
-// amplitude = share * Ks * sqrt(N.z det P / det(P + I)).
+// G as a few lobes (fit_mixture.inl): covariance (P + I)^-1 in the normal's frame, and
+// amplitude = share * Ks * sqrt(det P / det(P + I)).
 struct MixtureTerm {
     float nx, ny, nz, sxx, sxy, syy, amplitude;
 };
@@ -82,6 +82,8 @@ struct Kernels {
     void (*minimiseMixtures)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
     // <G, G> of a mixture.
     float (*mixtureEnergy)(const MixtureTerm* terms, int count);
+    // <F_i, f> for each component and a lobe.
+    void (*mixtureOverlaps)(const MixtureTerm* terms, int count, const MixtureTerm& lobe, float* overlaps);
     // The errors of lobes: what one evaluation of a search costs without its gradient, or less.
     void (*judge)(Trial* trials, int count);
     // <G, f> and <f, f> of one job at its unknowns, and the gradient of its error in the first five.

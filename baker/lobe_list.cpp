@@ -195,7 +195,7 @@ MixtureTerm termOf(const ListedLobe& l, float area, bool isBlack)
             (s.sxx + det) * plus,
             s.sxy * plus,
             (s.syy + det) * plus,
-            mass / area * std::sqrt(std::max(l.nz, 0.0f) * plus)};
+            mass / area * std::sqrt(plus)};
 }
 
 } // namespace lumel::baker

@@ -177,20 +177,20 @@ void Solver::searchClosedForms(const Selection& selection, Family family)
     keep(better, found_, family);
 }
 
-// Gaussians misjudge E by about its product with the lobes' variance.
+// Mixtures misjudge E by about its product with the lobes' variance; an error below 0 shows that they do.
 bool Solver::isGaussian(const Found& found) const
 {
     constexpr float kMisjudged = 2.0f;
     const Shape& s = found.shape;
     return kMisjudged * found.error * std::max(s.sxx, s.syy) < options_.precision &&
-           s.nx * s.nx + s.ny * s.ny < kSteepTilt;
+           found.error > -kQuadratureError && s.nx * s.nx + s.ny * s.ny < kSteepTilt;
 }
 
 // Are minima of the mixture no guide to those of the error?
 bool Solver::isAstray(const Found& found) const
 {
     const Shape& s = found.shape;
-    return s.nx * s.nx + s.ny * s.ny > kSteepTilt ||
+    return s.nx * s.nx + s.ny * s.ny > kSteepTilt || found.error < -kQuadratureError ||
            (std::max(s.sxx, s.syy) > kBroadVariance && found.error > kRetryError);
 }
 
@@ -253,7 +253,7 @@ void Solver::mergeLists(const Selection& selection)
     // What a list may lose, of the precision; errors of neighbours add up on coarser levels.
     constexpr float kShare = 0.05f;
     for (const uint32_t t : selection)
-        if (texels_[t].task.list && texels_[t].leanError < kShare * options_.precision)
+        if (texels_[t].task.list && std::abs(texels_[t].leanError) < kShare * options_.precision)
             texels_[t].task.list->merge(texels_[t].lean);
 }
 

@@ -328,27 +328,24 @@ void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, boo
     }
 }
 
-// Each channel's projection is to Ks of the luminance as its overlap with the lobe.
-void Solver::projectColours(const Texel& texel, const Shape& shape, double ks, float* t) const
+// Each channel's projection is to that of the luminance as its overlap with the lobe.
+void Solver::projectColours(const Texel& texel, const Shape& shape, double ks, float* t)
 {
-    const glm::dvec3 n(shape.nx, shape.ny, std::sqrt(1.0 - double(shape.nx) * shape.nx - double(shape.ny) * shape.ny));
-    const DiscFrame frame(n);
-    const MixtureTerm lobe = termOf({shape, float(n.z), 1.0f, {1.0f, 1.0f, 1.0f}}, 1.0f, false);
+    const float nz = std::sqrt(std::max(1e-4f, 1.0f - shape.nx * shape.nx - shape.ny * shape.ny));
+    if (scratch_.size() < texel.listedCount)
+        scratch_.resize(texel.listedCount);
+    kernels_.mixtureOverlaps(&listed_[texel.firstListed], int(texel.listedCount),
+                             termOf({shape, nz, 1.0f, {1.0f, 1.0f, 1.0f}}, 1.0f, false), scratch_.data());
     double sum = 0.0, sums[3] = {};
-    for (size_t i = texel.firstListed; i < texel.firstListed + texel.listedCount; ++i) {
-        const MixtureTerm& m = listed_[i];
-        const ListedLobe& l = listedLobes_[i];
-        const Sym2 p = Sym2{double(m.sxx) + lobe.sxx, double(m.sxy) + lobe.sxy, double(m.syy) + lobe.syy}.inverse();
-        const double c = glm::dot(n, glm::dvec3(m.nx, m.ny, m.nz)), stretch = 1.0 + 0.375 * (1.0 - c); // as in fit_mixture.inl
-        const double a = stretch * (m.nx - n.x * c) / frame.a, b = stretch * (n.z * m.ny - n.y * m.nz) / frame.a;
-        const double value = std::sqrt(p.det()) * std::exp(-0.5 * (a * a * p.xx + 2.0 * a * b * p.xy + b * b * p.yy));
-        const double share = double(l.area) * std::sqrt(double(l.nz)) * value;
-        sum += share * luminance({l.ks[0], l.ks[1], l.ks[2]});
-        for (int channel = 0; channel < 3; ++channel)
-            sums[channel] += share * double(l.ks[channel]);
+    for (size_t i = 0; i < texel.listedCount; ++i) {
+        const float* colour = listedLobes_[texel.firstListed + i].ks;
+        const double overlap = scratch_[i], whole = luminance({colour[0], colour[1], colour[2]});
+        sum += overlap;
+        for (int c = 0; c < 3 && whole > 0.0; ++c)
+            sums[c] += overlap * double(colour[c]) / whole;
     }
-    for (int channel = 0; channel < 3; ++channel)
-        t[kKsR + channel] = float(ks * sums[channel] / std::max(sum, 1e-30));
+    for (int c = 0; c < 3; ++c)
+        t[kKsR + c] = float(ks * sums[c] / std::max(sum, 1e-30));
 }
 
 } // namespace lumel::baker

@@ -100,7 +100,7 @@ private:
     Selection doubtful(const Selection& selection, Family family, float error) const;
     void write(const Texel& texel, const Found& found, float* to, bool ownKs);
     void writeSpecular(const Texel& texel, const Found& found, float* to, bool ownKs);
-    void projectColours(const Texel& texel, const Shape& shape, double ks, float* to) const;
+    void projectColours(const Texel& texel, const Shape& shape, double ks, float* to);
 
     const Kernels& kernels_;
     Options options_;
