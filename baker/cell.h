@@ -33,8 +33,8 @@ struct Cell {
     Moments sum;
     bool uniform = true; // one and the same lobe throughout
     Shape shape;         // that lobe
-    Patch patch;   // the sum of the lobes, or
-    LobeList list; // the lobes
+    Patch patch;         // the sum of the lobes, or
+    LobeList list;       // the lobes
 
     // Clears all; keeps the memory.
     void clear();

@@ -17,7 +17,7 @@ constexpr int kBlock = 32; // level-0 texels that are worked on at once, on each
 
 Chain::Chain(const Maps& maps, const Options& options, Progress* progress)
     : maps_(maps), options_(options), progress_(progress), source_(maps),
-      usesLists_(options.method == Method::fit && options.precision > 0.0f)
+      usesLists_(options.method == Method::fit && options.precision > 0.0f && !source_.constantPower())
 {
     // For that method, and as a guess that no fit may lose to.
     if (options.method == Method::height || (options.method == Method::fit && !maps.height.empty()))

@@ -109,7 +109,7 @@ void FineTile::addTexel(int number, int x, int y, Cell& cell)
     TexelTask task = chain_.makeTask(number, x, y, cell);
     if (task.childCount == 0 && !task.fixed)
         addChildren(number, x, y, task);
-    task.list = &cell == &single_ ? nullptr : &cell.list;
+    task.list = cell.list.empty() || &cell == &single_ ? nullptr : &cell.list;
     solver_.add(task, cell);
 }
 

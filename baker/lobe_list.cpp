@@ -69,8 +69,8 @@ struct Group {
         const Sym2 p = moments.covariance.inverse(), &c = moments.spread;
         const double variance = std::max(0.0, p.xx * c.xx + 2.0 * p.xy * c.xy + p.yy * c.yy);
         normals = variance * variance;
-        // The lobe matches all moments up to the second; E goes with the square of the fourth cumulant, and is
-        // of the group's own energy.
+        // The lobe matches all moments up to the second; E goes with the square of the fourth cumulant, and
+        // is of the group's own energy.
         const double cumulant = normals + 1.5 * moments.widths;
         loss = moments.weight * moments.weight * std::sqrt(p.det()) * cumulant * cumulant;
     }
@@ -80,9 +80,11 @@ struct Group {
     std::pair<Group, Group> split() const
     {
         const Sym2& c = moments.spread;
-        const double angle = 0.5 * std::atan2(2.0 * c.xy, c.xx - c.yy), ax = std::cos(angle), ay = std::sin(angle);
+        const double angle = 0.5 * std::atan2(2.0 * c.xy, c.xx - c.yy), ax = std::cos(angle),
+                     ay = std::sin(angle);
         const bool byWidth = 1.5 * moments.widths > normals;
-        const double at = byWidth ? moments.covariance.xx + moments.covariance.yy : ax * moments.x + ay * moments.y;
+        const double at =
+            byWidth ? moments.covariance.xx + moments.covariance.yy : ax * moments.x + ay * moments.y;
         const auto middle = std::partition(items.begin(), items.end(), [&](const Item& i) {
             return (byWidth ? i.covariance.xx + i.covariance.yy : ax * i.x + ay * i.y) < at;
         });

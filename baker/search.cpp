@@ -231,15 +231,16 @@ void Solver::polish(const Selection& selection, bool isotropicToo)
     keepIsotropic(polished);
 }
 
-// Where the lobe of the list's moments is good enough, it stays.
+// Where the lobe of the moments is good enough, it stays.
 Solver::Selection Solver::settle(const Selection& selection, Family family)
 {
+    if (options_.precision <= 0.0f)
+        return selection;
     starts_.clear();
-    for (const uint32_t t : selection)
-        if (texels_[t].listedCount > 0) {
-            const Shape& lean = texels_[t].lean;
-            starts_.push_back({t, family == kIsotropic ? isotropicShape(lean) : lean});
-        }
+    for (const uint32_t t : selection) {
+        const Shape& lean = texels_[t].lean;
+        starts_.push_back({t, family == kIsotropic ? isotropicShape(lean) : lean});
+    }
     judge(starts_, found_);
     keep(starts_, found_, family);
     if (family == kAnisotropic)

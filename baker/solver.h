@@ -54,14 +54,14 @@ private:
     struct Texel {
         TexelTask task;
         size_t firstNode, nodeCount;
-        size_t firstTerm;                       // of the children
+        size_t firstTerm;                        // of the children
         size_t firstListed = 0, listedCount = 0; // terms of the whole list, in place of nodes
         float energy, maxLog;
         Shape lean;                 // the closed form of the moments
         float leanError = kNoError; // where there is a list
-        bool startsAtLean = false; // the last exact search did
-        Found best[2];             // by family
-        Found start[2];            // the two best minima of the mixture
+        bool startsAtLean = false;  // the last exact search did
+        Found best[2];              // by family
+        Found start[2];             // the two best minima of the mixture
     };
     using Selection = std::vector<uint32_t>;
 

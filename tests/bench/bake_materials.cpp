@@ -39,7 +39,8 @@ Row bakeOne(const scene::Scene& scene, const scene::Material& material, const ba
     const baker::Maps maps = scene::reflectanceMaps(scene, material);
     const auto start = Clock::now();
     const baker::ReflectanceMips mips = baker::bake(maps, options);
-    Row row{fmt::format("{}:{}", scene.file.stem().string(), material.name), baker::mapSize(maps),
+    Row row{fmt::format("{}:{}", scene.file.stem().string(), material.name),
+            baker::mapSize(maps),
             std::chrono::duration<double>(Clock::now() - start).count(),
             {}};
     constexpr std::array<size_t, 4> kLevels = {1, 2, 3, 5};
@@ -64,8 +65,8 @@ void print(std::vector<Row>& rows)
             continue;
         }
         fmt::print("{:40} {:>11} {:8.3f} {:>8}  {:.5f} {:.5f} {:.5f} {:.5f}\n", r.name.substr(0, 40),
-                   fmt::format("{} x {}", r.size.x, r.size.y), r.seconds,
-                   fmt::format("{:.2f}", r.rate()), e[0], e[1], e[2], e[3]);
+                   fmt::format("{} x {}", r.size.x, r.size.y), r.seconds, fmt::format("{:.2f}", r.rate()),
+                   e[0], e[1], e[2], e[3]);
     }
     fmt::print("{} materials without maps: {:.1f} ms\n", constants, 1e3 * constantSeconds);
 }

@@ -132,9 +132,10 @@ TEST(Invariants, HoldByBruteForce)
             const int width = chains.as.levels[l].width;
             tbb::parallel_for(0, width * width, [&](int i) {
                 const auto lobes = lobesUnder(chains.as, l, i % width, i / width);
-                const std::string found = violations(chains, kTolerance + double(Options().precision), l, size_t(i), [&](const float* texel) {
-                    return oracleSums(lobes, oracleLobe(texel), kCells).bestError();
-                });
+                const std::string found = violations(
+                    chains, kTolerance + double(Options().precision), l, size_t(i), [&](const float* texel) {
+                        return oracleSums(lobes, oracleLobe(texel), kCells).bestError();
+                    });
                 std::lock_guard lock(mutex);
                 text += found;
             });
