@@ -13,7 +13,13 @@ namespace lumel::baker {
 
 inline constexpr const char* kVersion = "5"; // part of the cache key: raise when results change
 
-enum class Method { fit, average, flat, height, toksvig, lean };
+// fitPower is the talk's cheap mode: N stays the average, P and Ks are fitted.
+enum class Method { fit, average, flat, height, toksvig, lean, fitPower };
+inline bool isFitted(Method method)
+{
+    return method == Method::fit || method == Method::fitPower;
+}
+
 enum class Model { blinnPhong, ashikhminShirley };
 enum class Wrap { repeat, clamp };
 // What a texel represents: the box it covers, or its bilinear footprint (tent.h).

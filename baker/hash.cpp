@@ -51,8 +51,8 @@ std::string sourceHash(const Maps& maps, const Options& options)
               powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
               specularConstant, diffuse, diffuseConstant);
     static_cast<void>(threads); // does not change the result
-    const bool bestKs = mayProject && method != Method::fit;
-    const float precision = method == Method::fit ? givenPrecision : 0.0f;
+    const bool bestKs = mayProject && !isFitted(method);
+    const float precision = isFitted(method) ? givenPrecision : 0.0f;
     addFields(hash, method, model, reduce, reconstruction, precision, bestKs);
     return hash.hex();
 }

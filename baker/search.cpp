@@ -258,6 +258,30 @@ void Solver::mergeLists(const Selection& selection)
             texels_[t].task.list->merge(texels_[t].lean);
 }
 
+// P from the mean lobe's and from LEAN's, with the mean normal.
+void Solver::fitPowers(const Selection& selection, Family family)
+{
+    starts_.clear();
+    for (const uint32_t t : selection) {
+        const Shape average = averageShape(texels_[t].task.mean), &lean = texels_[t].lean;
+        starts_.push_back({t, average});
+        starts_.push_back({t, {average.nx, average.ny, lean.sxx, lean.sxy, lean.syy}});
+    }
+    run(starts_, family, Against::average, found_);
+    keep(starts_, found_, family);
+    starts_.clear();
+    for (const uint32_t t : selection) {
+        Texel& texel = texels_[t];
+        if (texel.listedCount == 0 || isGaussian(texel.best[family]))
+            continue;
+        addNodes(texel);
+        starts_.push_back({t, texel.best[family].shape});
+        texel.best[family] = {};
+    }
+    run(starts_, family, Against::average, found_);
+    keep(starts_, found_, family);
+}
+
 void Solver::fitIsotropic(const Selection& selection)
 {
     chooseStarts(selection, kIsotropic);

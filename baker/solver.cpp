@@ -125,6 +125,8 @@ FitJob Solver::jobOf(const Start& start, Family family, Against against) const
     job.energy = t.energy;
     job.maxLog = t.maxLog;
     toUnknowns(family == kIsotropic ? isotropicShape(start.shape) : start.shape, job.maxLog, job.unknowns);
+    if (options_.method == Method::fitPower) // no step moves N
+        job.unknowns[kB11] = job.unknowns[kB21] = job.unknowns[kB22] = 0.0f;
     return job;
 }
 
@@ -235,7 +237,7 @@ void Solver::judgeOnNodes(const std::vector<Start>& starts, std::vector<Found>& 
 
 void Solver::solve()
 {
-    const bool closedForm = options_.method != Method::fit;
+    const bool closedForm = !isFitted(options_.method);
     Selection selection;
     starts_.clear();
     for (size_t t = 0; t < texels_.size(); ++t)
@@ -248,11 +250,17 @@ void Solver::solve()
     for (const Start& s : starts_)
         texels_[s.texel].best[kIsotropic] = texels_[s.texel].best[kAnisotropic];
     const bool isotropic = options_.model == Model::blinnPhong && !closedForm;
-    fitAnisotropic(settle(selection, kAnisotropic));
-    if (isotropic)
-        fitIsotropic(settle(selection, kIsotropic));
-    polish(selection, isotropic);
-    mergeLists(selection);
+    if (options_.method == Method::fitPower) {
+        fitPowers(selection, kAnisotropic);
+        if (isotropic)
+            fitPowers(selection, kIsotropic);
+    } else {
+        fitAnisotropic(settle(selection, kAnisotropic));
+        if (isotropic)
+            fitIsotropic(settle(selection, kIsotropic));
+        polish(selection, isotropic);
+        mergeLists(selection);
+    }
     for (const Texel& texel : texels_) {
         const bool ownKs = texel.task.uniform || (texel.task.fixed && !options_.bestKs);
         write(texel, texel.best[isotropic ? kIsotropic : kAnisotropic], texel.task.texel, ownKs);

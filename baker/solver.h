@@ -93,6 +93,7 @@ private:
     void addClosedForms(uint32_t texel, Family family);
     void searchClosedForms(const Selection& selection, Family family);
     void mergeLists(const Selection& selection);
+    void fitPowers(const Selection& selection, Family family);
     void fitIsotropic(const Selection& selection);
     void keepIsotropic(const Selection& selection);
     void fitAnisotropic(const Selection& selection);

@@ -18,7 +18,7 @@ TEST(Report, ComparesTheFitWithEveryClosedForm)
     EXPECT_EQ(json["seconds"], 1.5);
     ASSERT_EQ(json["levels"].size(), mips.levels.size() - 1);
     for (const auto& level : json["levels"]) {
-        ASSERT_EQ(level["methods"].size(), 6u);
+        ASSERT_EQ(level["methods"].size(), 7u);
         const auto& fit = level["methods"][0];
         EXPECT_EQ(fit["method"], "fit");
         EXPECT_NEAR(fit["mean"].get<double>(), meanOf(mips.levels[level["level"]], kError), 1e-6);
