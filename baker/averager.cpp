@@ -3,8 +3,8 @@
 
 namespace lumel::baker {
 
-Averager::Averager(const Source& source)
-    : kernels_(kernels()), source_(source), channels_(source.colouredSpecular() ? 3 : 1)
+Averager::Averager(const Source& source, bool isotropic)
+    : kernels_(kernels()), isotropic_(isotropic), channels_(source.colouredSpecular() ? 3 : 1)
 {
 }
 
@@ -52,6 +52,16 @@ void Averager::gather(const Lobes& lobes, const std::vector<Member>& members, co
         average(lobes, members, shared, isBlack, cell);
 }
 
+void Averager::list(const Lobes& lobes, const std::vector<Member>& members, Cell& cell)
+{
+    cell.clear();
+    for (const Member& member : members) {
+        cell.add(lobes, member.lobe, member.area);
+        cell.list.add(lobes, member.lobe, member.area);
+    }
+    cell.shortenList();
+}
+
 void Averager::average(const Lobes& lobes, const std::vector<Member>& members, const Nodes* shared,
                        bool isBlack, Cell& cell)
 {
@@ -90,7 +100,7 @@ void Averager::sumOnRule(const Lobes& lobes, const std::vector<Member>& members,
                 terms_.push_back(term(lobes, members[i], black, amplitudes));
                 terms_.back().amplitude = amplitudes[c];
             }
-            kernels_.average(terms_.data(), int(terms_.size()), source_.isotropic(), list,
+            kernels_.average(terms_.data(), int(terms_.size()), isotropic_, list,
                              patch.g.data() + size_t(c) * nodes.size());
         }
 }
@@ -125,7 +135,7 @@ void Averager::sumOnLattice(const Lobes& lobes, const std::vector<Member>& membe
         float amplitudes[3];
         const LobeTerm lobe = term(lobes, members[i], black, amplitudes);
         values_.resize(stencil->x.size());
-        kernels_.shapeOnLattice(lobe, source_.isotropic(), stencil->x.data(), stencil->y.data(),
+        kernels_.shapeOnLattice(lobe, isotropic_, stencil->x.data(), stencil->y.data(),
                                 int(stencil->x.size()), centre.x, centre.y, patch.nodes.spacing,
                                 values_.data());
         for (int c = 0; c < channels_; ++c) {

@@ -14,13 +14,17 @@ struct Member {
 
 class Averager {
 public:
-    explicit Averager(const Source& source);
+    explicit Averager(const Source& source) : Averager(source, source.isotropic()) {}
+    // Of lobes that are not all the source's own.
+    Averager(const Source& source, bool isotropic);
 
     // Sums `members` into `cell`: on `shared` nodes, or, when null, on nodes of its own; a uniform cell then
     // gets none. Where all Ks are 0 they count as 1, to fit the shape; on shared nodes that is so only if the
     // whole map `isBlack`.
     void gather(const Lobes& lobes, const std::vector<Member>& members, const Nodes* shared, bool isBlack,
                 Cell& cell);
+    // Lists them in place of sums.
+    static void list(const Lobes& lobes, const std::vector<Member>& members, Cell& cell);
     // The second half of gather(): the sums, uniform or not.
     void average(const Lobes& lobes, const std::vector<Member>& members, const Nodes* shared, bool isBlack,
                  Cell& cell);
@@ -35,7 +39,7 @@ private:
     void sumOnRule(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch);
 
     const Kernels& kernels_;
-    const Source& source_;
+    bool isotropic_; // every lobe
     int channels_;
     std::vector<LobeTerm> terms_;
     std::vector<float> values_;

@@ -22,6 +22,8 @@ const char* nameOf(Method method)
         return "toksvig";
     case Method::lean:
         return "lean";
+    case Method::fitPower:
+        return "fit-power";
     }
     return "";
 }

@@ -11,9 +11,15 @@
 
 namespace lumel::baker {
 
-inline constexpr const char* kVersion = "4"; // part of the cache key: raise when results change
+inline constexpr const char* kVersion = "5"; // part of the cache key: raise when results change
 
-enum class Method { fit, average, flat, height, toksvig, lean };
+// fitPower is the talk's cheap mode: N stays the average, P and Ks are fitted.
+enum class Method { fit, average, flat, height, toksvig, lean, fitPower };
+inline bool isFitted(Method method)
+{
+    return method == Method::fit || method == Method::fitPower;
+}
+
 enum class Model { blinnPhong, ashikhminShirley };
 enum class Wrap { repeat, clamp };
 // What a texel represents: the box it covers, or its bilinear footprint (tent.h).
@@ -54,6 +60,9 @@ struct Options {
     // seen as such. An 8192 x 8192 map reduced by 3 becomes a 1024 x 1024 chain whose level 0 is fitted.
     int reduce = 0;
     Reconstruction reconstruction = Reconstruction::box;
+    // A closed form whose E is below this stays, and that much may E rise by what makes the fit fast: texels
+    // are fitted to mixtures of lobes in place of sums at quadrature nodes. 0: the exact fit throughout.
+    float precision = 0.002f;
     // Closed forms state the mean Ks, which keeps the energy of a lobe of their shape. With this they get the
     // Ks of least error instead, <G, f> / <f, f>, as the fit does: comparisons use that.
     bool bestKs = false;

@@ -161,6 +161,7 @@ void Cell::clear()
     sum = {};
     uniform = true;
     patch.width = patch.height = 0;
+    list.clear();
 }
 
 void Cell::add(const Lobes& lobes, size_t m, double area)
@@ -177,6 +178,17 @@ void Cell::merge(const Cell& other, double factor, int channels)
     shape = other.shape;
     sum.add(other.sum, factor);
     patch.add(other.patch, float(factor), channels);
+    list.append(other.list, float(factor));
+}
+
+void Cell::shortenList()
+{
+    if (list.empty())
+        return;
+    if (uniform)
+        list.merge(shape);
+    else
+        list.reduce();
 }
 
 } // namespace lumel::baker

@@ -1,7 +1,7 @@
 // Sums over the lobes under a texel or under a cell of the map. They filter up the chain, so that level-0
 // lobes are read and evaluated once.
 #pragma once
-#include "moments.h"
+#include "lobe_list.h"
 #include "quadrature.h"
 
 namespace lumel::baker {
@@ -33,12 +33,15 @@ struct Cell {
     Moments sum;
     bool uniform = true; // one and the same lobe throughout
     Shape shape;         // that lobe
-    Patch patch;
+    Patch patch;         // the sum of the lobes, or
+    LobeList list;       // the lobes
 
     // Clears all; keeps the memory.
     void clear();
     void add(const Lobes& lobes, size_t lobe, double area);
     void merge(const Cell& other, double factor, int channels);
+    // One lobe stands for equal ones, a few for many.
+    void shortenList();
 };
 
 } // namespace lumel::baker

@@ -16,7 +16,8 @@ constexpr int kBlock = 32; // level-0 texels that are worked on at once, on each
 } // namespace
 
 Chain::Chain(const Maps& maps, const Options& options, Progress* progress)
-    : maps_(maps), options_(options), progress_(progress), source_(maps)
+    : maps_(maps), options_(options), progress_(progress), source_(maps),
+      usesLists_(isFitted(options.method) && options.precision > 0.0f && !source_.constantPower())
 {
     // For that method, and as a guess that no fit may lose to.
     if (options.method == Method::height || (options.method == Method::fit && !maps.height.empty()))
@@ -47,7 +48,7 @@ void Chain::run(LevelSink& sink)
         advance(number,
                 size_t(levelSize(source_.width(), number)) * size_t(levelSize(source_.height(), number)));
     allocate(levels_, first);
-    if (options_.method == Method::fit && options_.model == Model::blinnPhong)
+    if (isFitted(options_.method) && options_.model == Model::blinnPhong)
         allocate(anisotropic_, first);
     if (reduce == 0)
         writeBase(sink);
@@ -132,8 +133,8 @@ TexelTask Chain::makeTask(int number, int x, int y, const Cell& cell)
     const bool both = !anisotropic_.empty();
     if (both)
         task.anisotropicFit = anisotropic_[size_t(number)].texels.data() + offset;
-    task.uniform = cell.uniform && options_.method == Method::fit;
-    task.fixed = task.uniform || options_.method != Method::fit;
+    task.uniform = cell.uniform && isFitted(options_.method);
+    task.fixed = task.uniform || !isFitted(options_.method);
     task.heights = heights_.get();
     task.level = number;
     task.x = x;
@@ -178,7 +179,7 @@ void Chain::fineLevel(int number)
 bool Chain::nests(CoarseCells& cells) const
 {
     const int texels = 1 << cells.firstLevel();
-    return cells.sharedNodes() && options_.reconstruction == Reconstruction::box &&
+    return (usesLists_ || cells.sharedNodes()) && options_.reconstruction == Reconstruction::box &&
            source_.width() % texels == 0 && source_.height() % texels == 0;
 }
 

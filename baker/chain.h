@@ -31,6 +31,7 @@ private:
     const Options& options_;
     Progress* progress_;
     Source source_;
+    bool usesLists_; // fits to lists of lobes, not to sums at quadrature nodes
     std::unique_ptr<HeightMips> heights_;
     std::vector<Level> levels_;
     std::vector<Level> anisotropic_;        // anisotropic fits beside an isotropic chain

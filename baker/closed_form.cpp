@@ -45,6 +45,7 @@ Shape closedFormShape(Method method, const Moments& mean, glm::vec3 mapNormal)
         return shape;
     case Method::average:
     case Method::fit:
+    case Method::fitPower:
         break;
     }
     return shape;

@@ -23,12 +23,15 @@ CoarseCells::CoarseCells(Chain& chain, int firstLevel)
     : chain_(chain), firstLevel_(firstLevel), channels_(chain.source_.colouredSpecular() ? 3 : 1)
 {
     const int levels = int(chain.levels_.size());
-    survey();
+    if (!chain_.usesLists_)
+        survey();
+    const size_t cellBytes = chain_.usesLists_ ? LobeList::kMost * sizeof(ListedLobe)
+                                               : mostNodes_ * size_t(channels_) * sizeof(float);
     const auto tooMany = [&] {
         cutsX_ = borders(chain.source_.width(), cellLevel(firstLevel_), levels);
         cutsY_ = borders(chain.source_.height(), cellLevel(firstLevel_), levels);
         const size_t cells = (cutsX_.size() - 1) * (cutsY_.size() - 1);
-        return cells > kMostCells || cells * mostNodes_ * size_t(channels_) * sizeof(float) > kMostBytes;
+        return cells > kMostCells || cells * cellBytes > kMostBytes;
     };
     while (tooMany() && firstLevel_ < levels - 1)
         ++firstLevel_;
@@ -128,7 +131,10 @@ void CoarseCells::gatherCells()
         std::vector<Member> members;
         for (int cell = range.begin(); cell < range.end(); ++cell) {
             gather(cell, lobes, members);
-            averager.gather(lobes, members, &nodes_, isBlack_, cells_[size_t(cell)]);
+            if (chain_.usesLists_)
+                Averager::list(lobes, members, cells_[size_t(cell)]);
+            else
+                averager.gather(lobes, members, &nodes_, isBlack_, cells_[size_t(cell)]);
         }
     });
 }
@@ -149,6 +155,7 @@ void CoarseCells::coarsen(int level)
                 for (int y = borderIndex(cutsY_, newY[size_t(j)]); y < y1; ++y)
                     for (int x = borderIndex(cutsX_, newX[size_t(i)]); x < x1; ++x)
                         cell.merge(cells_[size_t(y) * size_t(across_) + size_t(x)], 1.0, channels_);
+                cell.shortenList();
             }
     });
     cells_ = std::move(merged);
@@ -192,6 +199,7 @@ void CoarseCells::addTexel(int number, int x, int y, Solver& solver) const
             const Cell& part = cells_[size_t(sy.cell) * size_t(across_) + size_t(sx.cell)];
             cell.merge(part, double(sx.share) * sy.share / part.sum.weight, channels_);
         }
+    cell.shortenList();
     TexelTask task = chain_.makeTask(number, x, y, cell);
     if (task.childCount == 0)
         task.addChild(task.mean, 1.0);
@@ -205,7 +213,7 @@ void CoarseCells::solveLevel(int number)
     const int total = level.width * level.height;
     constexpr int kBatch = 64;
     tbb::parallel_for(tbb::blocked_range<int>(0, (total + kBatch - 1) / kBatch), [&](const auto& range) {
-        Solver solver(chain_.options_, chain_.source_.colouredSpecular());
+        Solver solver(chain_.options_, chain_.source_);
         for (int batch = range.begin(); batch < range.end(); ++batch) {
             const int end = std::min((batch + 1) * kBatch, total);
             for (int t = batch * kBatch; t < end; ++t)

@@ -6,7 +6,7 @@ namespace lumel::baker {
 
 FineTile::FineTile(Chain& chain, const CoarseCells* cells)
     : chain_(chain), shared_(cells ? cells->sharedNodes() : nullptr), isBlack_(cells && cells->isBlack()),
-      solver_(chain.options_, chain.source_.colouredSpecular()), averager_(chain.source_)
+      solver_(chain.options_, chain.source_), averager_(chain.source_)
 {
 }
 
@@ -82,16 +82,22 @@ void FineTile::fill(int number, int x, int y, bool isCell, Cell& cell)
             &finer_.cells[size_t(2 * y - finer_.y0) * size_t(finer_.width) + size_t(2 * x - finer_.x0)];
         const Cell* quad[4] = {below, below + 1, below + finer_.width, below + finer_.width + 1};
         const auto isShared = [&](const Cell* c) {
-            return c->patch.nodes == *shared_ && (isBlack_ || luminance(c->sum.ks) > 0.0);
+            return chain_.usesLists_ ||
+                   (c->patch.nodes == *shared_ && (isBlack_ || luminance(c->sum.ks) > 0.0));
         };
         if (std::all_of(quad, quad + 4, isShared)) {
             cell.clear();
             for (const Cell* c : quad)
                 cell.merge(*c, 1.0, averager_.channels());
+            cell.shortenList();
             return;
         }
     }
     gatherMembers(chain_.levels_[size_t(number)], x, y);
+    if (chain_.usesLists_) {
+        averager_.list(lobes_, members_, cell);
+        return;
+    }
     const bool share =
         shared_ && (isCell || !averager_.reachesRim(lobes_, members_, chain_.source_.maxPower()));
     averager_.gather(lobes_, members_, share ? shared_ : nullptr, isBlack_, cell);
@@ -103,6 +109,7 @@ void FineTile::addTexel(int number, int x, int y, Cell& cell)
     TexelTask task = chain_.makeTask(number, x, y, cell);
     if (task.childCount == 0 && !task.fixed)
         addChildren(number, x, y, task);
+    task.list = cell.list.empty() || &cell == &single_ ? nullptr : &cell.list;
     solver_.add(task, cell);
 }
 

@@ -30,7 +30,8 @@ inline constexpr float kBase = 0.5f;
 inline constexpr float kLowestLog = -0.34657359f; // of l1 and l2: ln(kMinPower - kBase) / 2
 enum Unknown { kX, kY, kL1, kL2, kL3, kB11, kB21, kB22, kUnknowns };
 
-// G as a few Gaussian lobes (fit_mixture.inl); amplitude = share * Ks * N.z.
+// G as a few lobes (fit_mixture.inl): covariance (P + I)^-1 in the normal's frame, and
+// amplitude = share * Ks * sqrt(det P / det(P + I)).
 struct MixtureTerm {
     float nx, ny, nz, sxx, sxy, syy, amplitude;
 };
@@ -44,7 +45,7 @@ struct FitJob {
     float maxLog = 10.0f;      // upper bound of l1 and l2
     float unknowns[kUnknowns]; // start, then the best point found
     float error = 1.0f;        // E / <G, G> there, with the best Ks
-    float norm = 1.0f;         // <f, f> there (minimise only)
+    float norm = 1.0f;         // <f, f> there
 };
 
 // A lobe to be judged as it is, without a search.
@@ -79,6 +80,10 @@ struct Kernels {
     void (*minimise)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
     // The same against the mixtures; 7 * kMaxLanes floats for each term.
     void (*minimiseMixtures)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
+    // <G, G> of a mixture.
+    float (*mixtureEnergy)(const MixtureTerm* terms, int count);
+    // <F_i, f> for each component and a lobe.
+    void (*mixtureOverlaps)(const MixtureTerm* terms, int count, const MixtureTerm& lobe, float* overlaps);
     // The errors of lobes: what one evaluation of a search costs without its gradient, or less.
     void (*judge)(Trial* trials, int count);
     // <G, f> and <f, f> of one job at its unknowns, and the gradient of its error in the first five.

@@ -20,6 +20,6 @@ namespace {
 
 extern const Kernels LUMEL_KERNELS;
 const Kernels LUMEL_KERNELS = {LUMEL_NAME, W, average, shapeOnLattice, toHalfVectors,
-                               minimise, minimiseMixtures, judge, evaluate};
+                               minimise, minimiseMixtures, mixtureEnergy, mixtureOverlaps, judge, evaluate};
 
 } // namespace lumel::baker

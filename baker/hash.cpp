@@ -45,14 +45,15 @@ std::string sourceHash(const Maps& maps, const Options& options)
     const auto& [height, heightScale, normal, normalGreenUp, signedNormals, normalScale, givenWrap, power,
                  powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
                  specularConstant, diffuse, diffuseConstant] = maps;
-    const auto& [method, model, threads, reduce, reconstruction, mayProject] = options;
+    const auto& [method, model, threads, reduce, reconstruction, givenPrecision, mayProject] = options;
     const Wrap wrap = readsAcrossBorders(maps, options, mapSize(maps)) ? givenWrap : Wrap::repeat;
     addFields(hash, height, heightScale, normal, normalGreenUp, signedNormals, normalScale, wrap, power,
               powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
               specularConstant, diffuse, diffuseConstant);
     static_cast<void>(threads); // does not change the result
-    const bool bestKs = mayProject && method != Method::fit;
-    addFields(hash, method, model, reduce, reconstruction, bestKs);
+    const bool bestKs = mayProject && !isFitted(method);
+    const float precision = isFitted(method) ? givenPrecision : 0.0f;
+    addFields(hash, method, model, reduce, reconstruction, precision, bestKs);
     return hash.hex();
 }
 

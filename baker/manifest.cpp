@@ -96,7 +96,8 @@ private:
                                              {"flat", Method::flat},
                                              {"height", Method::height},
                                              {"toksvig", Method::toksvig},
-                                             {"lean", Method::lean}});
+                                             {"lean", Method::lean},
+                                             {"fit-power", Method::fitPower}});
         else if (key == "model")
             options.model = choice<Model>(
                 value, key,
@@ -108,6 +109,8 @@ private:
         else if (key == "report")
             for (const Json& name : value.is_array() ? value : Json::array({value}))
                 reports.push_back(folder_ / name.get<std::string>());
+        else if (key == "precision")
+            options.precision = value.get<float>();
         else if (key == "reduce")
             options.reduce = value.get<int>();
         else if (key == "reconstruction")

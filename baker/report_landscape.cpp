@@ -62,7 +62,7 @@ private:
 
 void tracePath(Tracer& tracer, const std::vector<PathStart>& starts, double fitError, Landscape& land)
 {
-    const PathStart* chosen = nullptr;
+    const PathStart* chosen = &starts.front();
     double furthest = -1.0, nearest = 1e30;
     for (const PathStart& start : starts) {
         const double miss = std::abs(tracer.after(kMostEvaluations, start.shape).error - fitError);

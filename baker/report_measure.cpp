@@ -15,17 +15,15 @@ struct Named {
     Method method;
     const char* name;
 };
-constexpr Named kClosedForms[] = {{Method::lean, "lean"},
-                                  {Method::toksvig, "toksvig"},
-                                  {Method::average, "average"},
-                                  {Method::height, "height"},
-                                  {Method::flat, "flat"}};
+constexpr Named kOthers[] = {{Method::fitPower, "fit-power"}, {Method::lean, "lean"},
+                             {Method::toksvig, "toksvig"},    {Method::average, "average"},
+                             {Method::height, "height"},      {Method::flat, "flat"}};
 
-// The closed forms to compare with. A normal map holds no heights to average.
+// The methods to compare with. A normal map holds no heights to average.
 std::vector<Named> baselines(const Maps& maps)
 {
     std::vector<Named> list;
-    for (const Named& form : kClosedForms)
+    for (const Named& form : kOthers)
         if (form.method != Method::height || maps.height.width > 0)
             list.push_back(form);
     return list;
@@ -85,7 +83,7 @@ public:
         result_.narrowestDeviation = narrow.firstPercentile;
         result_.width = source_.width();
         result_.height = source_.height();
-        result_.meanKs = options_.method != Method::fit && !options_.bestKs;
+        result_.meanKs = !isFitted(options_.method) && !options_.bestKs;
         result_.methods = {baked_.method + (result_.meanKs ? ", mean Ks" : "")};
         collect();
         const Averages averages(source_, baked_.levels, *grid, kReportTexels);

@@ -109,7 +109,7 @@ void Solver::chooseStarts(const Selection& selection, Family family)
         for (int i = 0; i < task.childCount; ++i)
             starts_.push_back({t, task.children[size_t(i)].shape});
     }
-    run(starts_, family, Against::mixture, found_);
+    run(starts_, family, Against::children, found_);
     for (size_t i = 0; i < starts_.size(); ++i) {
         Found* start = texels_[starts_[i].texel].start;
         const bool other = start[0].error < kNoError && distinct(found_[i].shape, start[0].shape);
@@ -132,7 +132,7 @@ void Solver::searchExactly(const Selection& selection, Family family)
         for (const uint32_t t : rest)
             if (texels_[t].start[rank].error < kNoError)
                 starts_.push_back({t, texels_[t].start[rank].shape});
-        run(starts_, family, Against::nodes, found_);
+        run(starts_, family, Against::average, found_);
         keep(starts_, found_, family);
         rest = above(rest, family, kRetryError);
     }
@@ -173,8 +173,113 @@ void Solver::searchClosedForms(const Selection& selection, Family family)
         if (found_[i].error < texels_[starts_[i].texel].best[family].error)
             better.push_back(starts_[i]);
     keep(starts_, found_, family);
-    run(better, family, Against::nodes, found_);
+    run(better, family, Against::average, found_);
     keep(better, found_, family);
+}
+
+// Mixtures misjudge E by about its product with the lobes' variance; an error below 0 shows that they do.
+bool Solver::isGaussian(const Found& found) const
+{
+    constexpr float kMisjudged = 2.0f;
+    const Shape& s = found.shape;
+    return kMisjudged * found.error * std::max(s.sxx, s.syy) < options_.precision &&
+           found.error > -kQuadratureError && s.nx * s.nx + s.ny * s.ny < kSteepTilt;
+}
+
+// Are minima of the mixture no guide to those of the error?
+bool Solver::isAstray(const Found& found) const
+{
+    const Shape& s = found.shape;
+    return s.nx * s.nx + s.ny * s.ny > kSteepTilt || found.error < -kQuadratureError ||
+           (std::max(s.sxx, s.syy) > kBroadVariance && found.error > kRetryError);
+}
+
+// Where lobes are no Gaussians, the search goes on at nodes.
+void Solver::polish(const Selection& selection, bool isotropicToo)
+{
+    Selection polished, astray;
+    for (const uint32_t t : selection) {
+        Texel& texel = texels_[t];
+        if (texel.listedCount == 0 ||
+            (isGaussian(texel.best[kAnisotropic]) && (!isotropicToo || isGaussian(texel.best[kIsotropic]))))
+            continue;
+        addNodes(texel);
+        if (isAstray(texel.best[kAnisotropic]) || (isotropicToo && isAstray(texel.best[kIsotropic]))) {
+            astray.push_back(t);
+            texel.best[kIsotropic] = texel.best[kAnisotropic] = {};
+        } else {
+            polished.push_back(t);
+        }
+    }
+    fitAnisotropic(astray);
+    if (isotropicToo)
+        fitIsotropic(astray);
+    for (const Family family : {kIsotropic, kAnisotropic}) {
+        starts_.clear();
+        for (const uint32_t t : polished) {
+            Found& best = texels_[t].best[family];
+            if (best.error < kNoError)
+                starts_.push_back({t, best.shape});
+            best = {};
+        }
+        run(starts_, family, Against::average, found_);
+        keep(starts_, found_, family);
+        if (family == kIsotropic && !isotropicToo)
+            continue;
+        searchClosedForms(above(polished, family, kQuadratureError), family);
+    }
+    keepIsotropic(polished);
+}
+
+// Where the lobe of the moments is good enough, it stays.
+Solver::Selection Solver::settle(const Selection& selection, Family family)
+{
+    if (options_.precision <= 0.0f)
+        return selection;
+    starts_.clear();
+    for (const uint32_t t : selection) {
+        const Shape& lean = texels_[t].lean;
+        starts_.push_back({t, family == kIsotropic ? isotropicShape(lean) : lean});
+    }
+    judge(starts_, found_);
+    keep(starts_, found_, family);
+    if (family == kAnisotropic)
+        for (size_t i = 0; i < starts_.size(); ++i)
+            texels_[starts_[i].texel].leanError = found_[i].error;
+    return above(selection, family, options_.precision);
+}
+
+void Solver::mergeLists(const Selection& selection)
+{
+    // What a list may lose, of the precision; errors of neighbours add up on coarser levels.
+    constexpr float kShare = 0.05f;
+    for (const uint32_t t : selection)
+        if (texels_[t].task.list && std::abs(texels_[t].leanError) < kShare * options_.precision)
+            texels_[t].task.list->merge(texels_[t].lean);
+}
+
+// P from the mean lobe's and from LEAN's, with the mean normal.
+void Solver::fitPowers(const Selection& selection, Family family)
+{
+    starts_.clear();
+    for (const uint32_t t : selection) {
+        const Shape average = averageShape(texels_[t].task.mean), &lean = texels_[t].lean;
+        starts_.push_back({t, average});
+        starts_.push_back({t, {average.nx, average.ny, lean.sxx, lean.sxy, lean.syy}});
+    }
+    run(starts_, family, Against::average, found_);
+    keep(starts_, found_, family);
+    starts_.clear();
+    for (const uint32_t t : selection) {
+        Texel& texel = texels_[t];
+        if (texel.listedCount == 0 || isGaussian(texel.best[family]))
+            continue;
+        addNodes(texel);
+        starts_.push_back({t, texel.best[family].shape});
+        texel.best[family] = {};
+    }
+    run(starts_, family, Against::average, found_);
+    keep(starts_, found_, family);
 }
 
 void Solver::fitIsotropic(const Selection& selection)
@@ -192,15 +297,21 @@ void Solver::fitAnisotropic(const Selection& selection)
     // Retry from the isotropic fit, so that the result is never worse than it.
     const Selection retried = doubtful(selection, kAnisotropic, kRetryError);
     fitIsotropic(retried);
+    keepIsotropic(retried);
+}
+
+// An isotropic lobe that is better than the anisotropic one, and a search from it.
+void Solver::keepIsotropic(const Selection& selection)
+{
     starts_.clear();
-    for (const uint32_t t : retried) {
+    for (const uint32_t t : selection) {
         Found* best = texels_[t].best;
         if (best[kIsotropic].error < best[kAnisotropic].error) {
             best[kAnisotropic] = best[kIsotropic];
             starts_.push_back({t, best[kIsotropic].shape});
         }
     }
-    run(starts_, kAnisotropic, Against::nodes, found_);
+    run(starts_, kAnisotropic, Against::average, found_);
     keep(starts_, found_, kAnisotropic);
 }
 

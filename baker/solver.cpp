@@ -8,8 +8,8 @@ void TexelTask::addChild(const Moments& part, double share)
     children[size_t(childCount++)] = {leanShape(part), float(luminance(part.ks)), float(share)};
 }
 
-Solver::Solver(const Options& options, bool colouredSpecular)
-    : kernels_(kernels()), options_(options), coloured_(colouredSpecular)
+Solver::Solver(const Options& options, const Source& source)
+    : kernels_(kernels()), options_(options), coloured_(source.colouredSpecular()), averager_(source, false)
 {
 }
 
@@ -18,17 +18,55 @@ void Solver::add(const TexelTask& task, const Cell& cell)
     Texel texel;
     texel.task = task;
     texel.firstNode = nodes_.size();
-    cell.patch.appendTo(nodes_, channelWeight_, float(1.0 / cell.sum.weight), channels());
-    texel.nodeCount = nodes_.size() - texel.firstNode;
-    texel.energy = std::max(float(weighNodes(texel.firstNode)), 1e-30f);
+    texel.nodeCount = 0;
+    if (cell.list.empty())
+        addPatch(texel, cell);
+    else
+        addList(texel, cell);
     // No fit needs to be narrower than the narrowest lobe under the texel; the margin lets the minimiser
     // overshoot.
     const double narrowest = 1.1 * std::max(1.0, task.mean.maxPower);
     texel.maxLog = float(0.5 * std::log(narrowest - double(kBase)));
     if (!task.fixed)
-        texel.lean = leanShape(task.mean);
-    addMixture(texel);
+        texel.lean = cell.list.empty() ? leanShape(task.mean) : cell.list.matchedShape();
+    addChildren(texel);
     texels_.push_back(texel);
+}
+
+void Solver::addPatch(Texel& texel, const Cell& cell)
+{
+    texel.firstNode = nodes_.size();
+    cell.patch.appendTo(nodes_, channelWeight_, float(1.0 / cell.sum.weight), channels());
+    texel.nodeCount = nodes_.size() - texel.firstNode;
+    texel.energy = std::max(float(weighNodes(texel.firstNode)), 1e-30f);
+}
+
+void Solver::addNodes(Texel& texel)
+{
+    lobes_.resize(texel.listedCount);
+    members_.clear();
+    cell_.clear();
+    for (size_t i = 0; i < texel.listedCount; ++i) {
+        listedLobes_[texel.firstListed + i].store(lobes_, i);
+        members_.push_back({uint32_t(i), listedLobes_[texel.firstListed + i].area});
+        cell_.add(lobes_, i, double(members_.back().area));
+    }
+    averager_.average(lobes_, members_, nullptr, false, cell_);
+    addPatch(texel, cell_);
+    texel.listedCount = 0;
+}
+
+// The lobes themselves as Gaussians.
+void Solver::addList(Texel& texel, const Cell& cell)
+{
+    const bool black = luminance(texel.task.mean.ks) <= 0.0;
+    texel.firstListed = listed_.size();
+    texel.listedCount = cell.list.lobes().size();
+    for (const ListedLobe& lobe : cell.list.lobes())
+        listed_.push_back(termOf(lobe, float(cell.sum.weight), black));
+    listedLobes_.insert(listedLobes_.end(), cell.list.lobes().begin(), cell.list.lobes().end());
+    texel.energy =
+        std::max(kernels_.mixtureEnergy(&listed_[texel.firstListed], int(texel.listedCount)), 1e-30f);
 }
 
 // Weights of the nodes from `first` on: area * G. Returns <G, G>.
@@ -61,7 +99,7 @@ double Solver::weighNodes(size_t first)
 }
 
 // The finer level's lobes as Gaussians.
-void Solver::addMixture(Texel& texel)
+void Solver::addChildren(Texel& texel)
 {
     const TexelTask& task = texel.task;
     texel.firstTerm = terms_.size();
@@ -70,43 +108,52 @@ void Solver::addMixture(Texel& texel)
         const TexelTask::Child& child = task.children[size_t(i)];
         const Shape& s = child.shape;
         const float nz = std::sqrt(std::max(1e-4f, 1.0f - s.nx * s.nx - s.ny * s.ny));
-        terms_.push_back({s.nx, s.ny, nz, s.sxx, s.sxy, s.syy, child.share * (black ? 1.0f : child.ks) * nz});
+        terms_.push_back(termOf({s, nz, child.share, {child.ks, child.ks, child.ks}}, 1.0f, black));
     }
+}
+
+FitJob Solver::jobOf(const Start& start, Family family, Against against) const
+{
+    const Texel& t = texels_[start.texel];
+    const size_t n = t.firstNode;
+    FitJob job;
+    if (t.nodeCount > 0)
+        job.nodes = {int(t.nodeCount), &nodes_.x[n], &nodes_.y[n], &nodes_.z[n], &weight_[n]};
+    const bool whole = against == Against::average && t.nodeCount == 0;
+    job.mixture = whole ? listed_.data() + t.firstListed : terms_.data() + t.firstTerm;
+    job.mixtureCount = whole ? int(t.listedCount) : t.task.childCount;
+    job.energy = t.energy;
+    job.maxLog = t.maxLog;
+    toUnknowns(family == kIsotropic ? isotropicShape(start.shape) : start.shape, job.maxLog, job.unknowns);
+    if (options_.method == Method::fitPower) // no step moves N
+        job.unknowns[kB11] = job.unknowns[kB21] = job.unknowns[kB22] = 0.0f;
+    return job;
 }
 
 void Solver::run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found)
 {
     const size_t count = starts.size();
     jobs_.resize(count);
-    order_.resize(count);
+    order_.clear();
+    std::vector<FitJob*> mixtures;
     size_t most = kMaxLanes;
     for (size_t i = 0; i < count; ++i) {
-        const Texel& t = texels_[starts[i].texel];
-        FitJob& job = jobs_[i];
-        const size_t n = t.firstNode;
-        job.nodes = {int(t.nodeCount), &nodes_.x[n], &nodes_.y[n], &nodes_.z[n], &weight_[n]};
-        job.mixture = terms_.data() + t.firstTerm;
-        job.mixtureCount = t.task.childCount;
-        job.energy = t.energy;
-        job.maxLog = t.maxLog;
-        toUnknowns(family == kIsotropic ? isotropicShape(starts[i].shape) : starts[i].shape, job.maxLog,
-                   job.unknowns);
-        order_[i] = &job;
-        most = std::max(most, t.nodeCount);
+        FitJob& job = jobs_[i] = jobOf(starts[i], family, against);
+        const bool onNodes = against == Against::average && job.nodes.count > 0;
+        (onNodes ? order_ : mixtures).push_back(&job);
+        most = std::max(most, size_t(std::max(onNodes ? job.nodes.count : 0, 2 * job.mixtureCount)));
     }
-    if (scratch_.size() < (4 * most + 64) * kMaxLanes)
-        scratch_.resize((4 * most + 64) * kMaxLanes);
+    if (scratch_.size() < 4 * most * kMaxLanes)
+        scratch_.resize(4 * most * kMaxLanes);
+    // Similar sizes together: the lanes of a group process their nodes in lockstep.
+    std::ranges::stable_sort(order_, std::greater(), [](const FitJob* job) { return job->nodes.count; });
+    std::ranges::stable_sort(mixtures, std::greater(), [](const FitJob* job) { return job->mixtureCount; });
     SearchSettings settings;
     settings.isotropic = family == kIsotropic;
-    if (against == Against::mixture) {
+    kernels_.minimise(order_.data(), int(order_.size()), settings, scratch_.data());
+    if (against == Against::children)
         settings.maxEvaluations = 30;
-        kernels_.minimiseMixtures(order_.data(), int(count), settings, scratch_.data());
-    } else {
-        // Similar sizes together: the lanes of a group process their nodes in lockstep.
-        std::stable_sort(order_.begin(), order_.end(),
-                         [](const FitJob* a, const FitJob* b) { return a->nodes.count > b->nodes.count; });
-        kernels_.minimise(order_.data(), int(count), settings, scratch_.data());
-    }
+    kernels_.minimiseMixtures(mixtures.data(), int(mixtures.size()), settings, scratch_.data());
     found.resize(count);
     std::vector<Start> clampedStarts;
     std::vector<size_t> clampedIndices;
@@ -114,7 +161,7 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
         found[i] = {starts[i].shape, jobs_[i].error, jobs_[i].norm};
         bool clamped = false;
         found[i].shape = fromUnknowns(jobs_[i].unknowns, jobs_[i].maxLog, clamped);
-        if (clamped && against == Against::nodes) {
+        if (clamped && against == Against::average) {
             clampedStarts.push_back({starts[i].texel, found[i].shape});
             clampedIndices.push_back(i);
         }
@@ -127,7 +174,44 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
         found[clampedIndices[i]] = evaluated[i];
 }
 
+// On nodes by a kernel of its own; against lists by a search that ends where it starts.
 void Solver::judge(const std::vector<Start>& starts, std::vector<Found>& found)
+{
+    found.resize(starts.size());
+    std::vector<Start> onNodes;
+    std::vector<size_t> nodeIndices, listIndices;
+    std::vector<FitJob> jobs;
+    jobs.reserve(starts.size());
+    size_t most = 1;
+    for (size_t i = 0; i < starts.size(); ++i) {
+        const Texel& t = texels_[starts[i].texel];
+        if (t.listedCount == 0) {
+            onNodes.push_back(starts[i]);
+            nodeIndices.push_back(i);
+            continue;
+        }
+        jobs.push_back(jobOf(starts[i], kAnisotropic, Against::average));
+        listIndices.push_back(i);
+        most = std::max(most, t.listedCount);
+    }
+    order_.clear();
+    for (FitJob& job : jobs)
+        order_.push_back(&job);
+    if (scratch_.size() < 8 * most * kMaxLanes)
+        scratch_.resize(8 * most * kMaxLanes);
+    SearchSettings once;
+    once.isotropic = false;
+    once.maxEvaluations = 1;
+    kernels_.minimiseMixtures(order_.data(), int(order_.size()), once, scratch_.data());
+    for (size_t i = 0; i < jobs.size(); ++i)
+        found[listIndices[i]] = {starts[listIndices[i]].shape, jobs[i].error, jobs[i].norm};
+    std::vector<Found> judged;
+    judgeOnNodes(onNodes, judged);
+    for (size_t i = 0; i < judged.size(); ++i)
+        found[nodeIndices[i]] = judged[i];
+}
+
+void Solver::judgeOnNodes(const std::vector<Start>& starts, std::vector<Found>& found)
 {
     trials_.resize(starts.size());
     for (size_t i = 0; i < starts.size(); ++i) {
@@ -153,7 +237,7 @@ void Solver::judge(const std::vector<Start>& starts, std::vector<Found>& found)
 
 void Solver::solve()
 {
-    const bool closedForm = options_.method != Method::fit;
+    const bool closedForm = !isFitted(options_.method);
     Selection selection;
     starts_.clear();
     for (size_t t = 0; t < texels_.size(); ++t)
@@ -165,10 +249,18 @@ void Solver::solve()
     keep(starts_, found_, kAnisotropic);
     for (const Start& s : starts_)
         texels_[s.texel].best[kIsotropic] = texels_[s.texel].best[kAnisotropic];
-    fitAnisotropic(selection);
     const bool isotropic = options_.model == Model::blinnPhong && !closedForm;
-    if (isotropic)
-        fitIsotropic(selection);
+    if (options_.method == Method::fitPower) {
+        fitPowers(selection, kAnisotropic);
+        if (isotropic)
+            fitPowers(selection, kIsotropic);
+    } else {
+        fitAnisotropic(settle(selection, kAnisotropic));
+        if (isotropic)
+            fitIsotropic(settle(selection, kIsotropic));
+        polish(selection, isotropic);
+        mergeLists(selection);
+    }
     for (const Texel& texel : texels_) {
         const bool ownKs = texel.task.uniform || (texel.task.fixed && !options_.bestKs);
         write(texel, texel.best[isotropic ? kIsotropic : kAnisotropic], texel.task.texel, ownKs);
@@ -177,6 +269,8 @@ void Solver::solve()
     }
     texels_.clear();
     terms_.clear();
+    listed_.clear();
+    listedLobes_.clear();
     nodes_.clear();
     for (auto* v : {&weight_, channelWeight_, channelWeight_ + 1, channelWeight_ + 2})
         v->clear();
@@ -219,6 +313,10 @@ void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, boo
         return;
     // Each channel by a projection of its own: f at the nodes once, then three sums.
     const Shape& shape = found.shape;
+    if (texel.nodeCount == 0) {
+        projectColours(texel, shape, ks, t);
+        return;
+    }
     const Sym2 p = Sym2{shape.sxx, shape.sxy, shape.syy}.inverse();
     const float nz = std::sqrt(std::max(1e-4f, 1.0f - shape.nx * shape.nx - shape.ny * shape.ny));
     const LobeTerm lobe{
@@ -236,6 +334,26 @@ void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, boo
             channelOverlap += double(channelWeight_[c][n + k]) * scratch_[k];
         t[kKsR + c] = float(channelOverlap / norm);
     }
+}
+
+// Each channel's projection is to that of the luminance as its overlap with the lobe.
+void Solver::projectColours(const Texel& texel, const Shape& shape, double ks, float* t)
+{
+    const float nz = std::sqrt(std::max(1e-4f, 1.0f - shape.nx * shape.nx - shape.ny * shape.ny));
+    if (scratch_.size() < texel.listedCount)
+        scratch_.resize(texel.listedCount);
+    kernels_.mixtureOverlaps(&listed_[texel.firstListed], int(texel.listedCount),
+                             termOf({shape, nz, 1.0f, {1.0f, 1.0f, 1.0f}}, 1.0f, false), scratch_.data());
+    double sum = 0.0, sums[3] = {};
+    for (size_t i = 0; i < texel.listedCount; ++i) {
+        const float* colour = listedLobes_[texel.firstListed + i].ks;
+        const double overlap = scratch_[i], whole = luminance({colour[0], colour[1], colour[2]});
+        sum += overlap;
+        for (int c = 0; c < 3 && whole > 0.0; ++c)
+            sums[c] += overlap * double(colour[c]) / whole;
+    }
+    for (int c = 0; c < 3; ++c)
+        t[kKsR + c] = float(ks * sums[c] / std::max(sum, 1e-30));
 }
 
 } // namespace lumel::baker

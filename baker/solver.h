@@ -1,6 +1,6 @@
 // From a batch of texels with their average reflectance at quadrature nodes to fitted texels.
 #pragma once
-#include "cell.h"
+#include "averager.h"
 #include "closed_form.h"
 #include "fit_kernel.h"
 #include <array>
@@ -25,14 +25,15 @@ struct TexelTask {
     int childCount = 0;
     // The LEAN lobe of a part of the texel as a child.
     void addChild(const Moments& mean, double share);
-    float* texel = nullptr; // kChannels floats to fill
+    LobeList* list = nullptr; // of coarser texels: it becomes one lobe where that is as good
+    float* texel = nullptr;   // kChannels floats to fill
     // In an isotropic chain, the anisotropic fit of the texel: a starting point for the next level.
     float* anisotropicFit = nullptr;
 };
 
 class Solver {
 public:
-    explicit Solver(const Options& options, bool colouredSpecular);
+    Solver(const Options& options, const Source& source);
 
     // Adds a texel with its sums; one channel (luminance) unless the specular is coloured.
     void add(const TexelTask& task, const Cell& cell);
@@ -53,45 +54,68 @@ private:
     struct Texel {
         TexelTask task;
         size_t firstNode, nodeCount;
-        size_t firstTerm;
+        size_t firstTerm;                        // of the children
+        size_t firstListed = 0, listedCount = 0; // terms of the whole list, in place of nodes
         float energy, maxLog;
-        Shape lean;
-        bool startsAtLean = false; // the last exact search did
-        Found best[2];             // by family
-        Found start[2];            // the two best minima of the mixture
+        Shape lean;                 // the closed form of the moments
+        float leanError = kNoError; // where there is a list
+        bool startsAtLean = false;  // the last exact search did
+        Found best[2];              // by family
+        Found start[2];             // the two best minima of the mixture
     };
     using Selection = std::vector<uint32_t>;
 
     double weighNodes(size_t first);
-    void addMixture(Texel& texel);
+    void addChildren(Texel& texel);
+    void addPatch(Texel& texel, const Cell& cell);
+    void addList(Texel& texel, const Cell& cell);
     // One search for each of `starts` (texel, shape).
     struct Start {
         uint32_t texel;
         Shape shape;
     };
-    enum class Against { mixture, nodes };
+    enum class Against { children, average };
+    FitJob jobOf(const Start& start, Family family, Against against) const;
     void run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found);
     // The lobes without a search.
     void judge(const std::vector<Start>& starts, std::vector<Found>& found);
+    void judgeOnNodes(const std::vector<Start>& starts, std::vector<Found>& found);
+    // Sums at nodes in place of lists where lobes are no Gaussians.
+    void addNodes(Texel& texel);
+    bool isGaussian(const Found& found) const;
+    bool isAstray(const Found& found) const;
+    void polish(const Selection& selection, bool isotropicToo);
+    // Closed forms; returns where a search is needed.
+    Selection settle(const Selection& selection, Family family);
     void keep(const std::vector<Start>& starts, const std::vector<Found>& found, Family family);
     void chooseStarts(const Selection& selection, Family family);
     void searchExactly(const Selection& selection, Family family);
     void addClosedForms(uint32_t texel, Family family);
     void searchClosedForms(const Selection& selection, Family family);
+    void mergeLists(const Selection& selection);
+    void fitPowers(const Selection& selection, Family family);
     void fitIsotropic(const Selection& selection);
+    void keepIsotropic(const Selection& selection);
     void fitAnisotropic(const Selection& selection);
     Selection above(const Selection& selection, Family family, float error) const;
     Selection doubtful(const Selection& selection, Family family, float error) const;
     void write(const Texel& texel, const Found& found, float* to, bool ownKs);
     void writeSpecular(const Texel& texel, const Found& found, float* to, bool ownKs);
+    void projectColours(const Texel& texel, const Shape& shape, double ks, float* to);
 
     const Kernels& kernels_;
     Options options_;
     bool coloured_;
+    Averager averager_;
+    Lobes lobes_;
+    std::vector<Member> members_;
+    Cell cell_;
     std::vector<Texel> texels_;
     NodeSet nodes_;                                // of all texels
     std::vector<float> weight_, channelWeight_[3]; // area * G there
     std::vector<MixtureTerm> terms_;
+    std::vector<MixtureTerm> listed_;
+    std::vector<ListedLobe> listedLobes_; // the same
     std::vector<FitJob> jobs_;
     std::vector<FitJob*> order_;
     std::vector<Trial> trials_;

@@ -30,6 +30,6 @@ void addSceneOptions(Command& command, SceneArguments& arguments);
 void addPathOptions(Command& command, PathOptions& path);
 void checkPath(const PathOptions& path); // after parsing; throws UsageError
 inline constexpr const char* kFilterHelp = "how MIP levels of the reflectance are made: fitted to the "
-                                           "average, or average, flat, height, toksvig or lean";
+                                           "average, or average, flat, height, toksvig or lean; fit-power keeps the average normal";
 
 } // namespace lumel

@@ -44,6 +44,9 @@ void addFit(Command& command, BakeArguments& a)
 {
     addChoice(command, "--model", kModelNames, "specular lobe that is fitted", a.options.model);
     addChoice(command, "--method", kFilterNames, kFilterHelp, a.options.method);
+    addNumber(command, "--precision", 0.0, 1.0, "",
+              "closed forms with less error stay, and the fit may be that much worse; 0 is slow and exact",
+              a.options.precision);
     addNumber(command, "--reduce", 0, 13, "", "drop the N finest levels: level 0 is then fitted",
               a.options.reduce);
     addChoice(command, "--reconstruction", kReconstructionNames,

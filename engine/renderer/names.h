@@ -6,8 +6,9 @@
 namespace lumel {
 
 inline constexpr std::array kShadingNames{"tsl", "forward", "reference"};
-inline constexpr std::array kFilterNames{"fit", "average", "flat", "height", "toksvig", "lean"}; // Method
-inline constexpr std::array kModelNames{"blinn-phong", "ashikhmin-shirley"};                     // Model
+inline constexpr std::array kFilterNames{"fit",     "average", "flat",     "height",
+                                         "toksvig", "lean",    "fit-power"}; // Method
+inline constexpr std::array kModelNames{"blinn-phong", "ashikhmin-shirley"}; // Model
 inline constexpr std::array kDrawFilterNames{"bilinear", "b-spline", "catmull-rom", "catmull-rom-16",
                                              "quadratic"};
 inline constexpr std::array kToneMapNames{"neutral", "aces", "clamp"};

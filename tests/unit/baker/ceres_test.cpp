@@ -130,7 +130,8 @@ TEST(CeresOracle, FindsNothingBetterOnTwoHundredTexels)
     int checked = 0, better = 0;
     double ours = 0.0, theirs = 0.0;
     for (int i = 0; checked < 200; ++i) {
-        static const ReflectanceMips baked[] = {bake(maps[0], {}), bake(maps[1], {}), bake(maps[2], {})};
+        static const ReflectanceMips baked[] = {bake(maps[0], exactly()), bake(maps[1], exactly()),
+                                                bake(maps[2], exactly())};
         const ReflectanceMips& mips = baked[i % 3];
         const size_t level = 1 + random() % 2;
         const int x = int(random() % unsigned(mips.levels[level].width));

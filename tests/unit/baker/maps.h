@@ -70,6 +70,14 @@ inline Maps heightMaps(Image height, float scale, float power)
     return maps;
 }
 
+// Without the approximations that make the fit fast.
+inline Options exactly()
+{
+    Options options;
+    options.precision = 0.0f;
+    return options;
+}
+
 inline double meanOf(const Level& level, int channel)
 {
     double sum = 0.0;

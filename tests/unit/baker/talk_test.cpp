@@ -91,7 +91,7 @@ TEST(Talk, WellFittedTexelsKeepTheirEnergy)
     for (const float power : {1.0f, 2.0f, 5.0f, 20.0f, 60.0f, 200.0f, 1000.0f, 3000.0f, 10000.0f}) {
         const float deviation = 1.0f / std::sqrt(power);
         const ReflectanceMips mips =
-            bake(heightMaps(bumps(64, 64), 0.15f * std::min(deviation, 0.3f), power), {});
+            bake(heightMaps(bumps(64, 64), 0.15f * std::min(deviation, 0.3f), power), exactly());
         const int cells = std::max(160, int(4.0f / deviation)); // half a deviation apart
         int checked = 0;
         double worst = 0.0;
@@ -108,6 +108,34 @@ TEST(Talk, WellFittedTexelsKeepTheirEnergy)
             }
         EXPECT_GT(checked, 5) << "power " << power;
         RecordProperty("worst at power " + std::to_string(int(power)), std::to_string(worst));
+    }
+}
+
+// "You can get away with minimising just P and Ks": the normal is the average's, and the error between the
+// full fit's and that of the mean lobe.
+TEST(Talk, CheapModeKeepsTheAverageNormal)
+{
+    Maps glossy = normalMaps(noiseNormals(32, 32, 0.2f, 5), 100.0f);
+    glossy.power = bumps(32, 32);
+    for (float& power : glossy.power.pixels)
+        power = 20.0f + 200.0f * power;
+    for (const Maps& maps : {normalMaps(noiseNormals(32, 32, 0.2f, 5), 100.0f), glossy}) {
+        const auto baked = [&](Method method) {
+            Options options;
+            options.method = method;
+            options.bestKs = true;
+            return bake(maps, options);
+        };
+        const ReflectanceMips cheap = baked(Method::fitPower), mean = baked(Method::average),
+                              fit = baked(Method::fit);
+        for (size_t l = 1; l < cheap.levels.size(); ++l) {
+            for (size_t i = 0; i < cheap.levels[l].texels.size(); i += kChannels)
+                for (const int c : {kNx, kNy})
+                    ASSERT_NEAR(cheap.levels[l].texels[i + size_t(c)], mean.levels[l].texels[i + size_t(c)],
+                                1e-5f);
+            EXPECT_LE(meanOf(cheap.levels[l], kError), meanOf(mean.levels[l], kError) + 1e-3);
+            EXPECT_GE(meanOf(cheap.levels[l], kError), meanOf(fit.levels[l], kError) - 3e-3);
+        }
     }
 }
 } // namespace lumel::baker

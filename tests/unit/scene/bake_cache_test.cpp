@@ -218,5 +218,60 @@ TEST_F(BakeKeys, FollowImagesAndOptionsButNotThreadsAndNames)
     EXPECT_NE(inputKey(defaults), before);
 }
 
+size_t entriesIn(const std::filesystem::path& cache)
+{
+    size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(cache / "lumel"))
+        count += entry.path().extension() == ".maps";
+    return count;
+}
+
+// Each material is stored as it is finished: what ends the bake of another loses none.
+TEST_F(BakeKeys, AnInterruptedBakeKeepsWhatItFinished)
+{
+    cacheIn("cache");
+    scene.images.push_back({"broken.png", std::vector<std::byte>(100)});
+    Material broken = materials().at("plain");
+    broken.normalImage = 3;
+    scene.materials = {materials().at("plain"), broken, materials().at("full")};
+    EXPECT_THROW(bakeMaterials(scene, {}), Error);
+    EXPECT_EQ(entriesIn(folder / "cache"), 1u);
+    scene.materials.erase(scene.materials.begin() + 1);
+    const auto resumed = bakeMaterials(scene, {});
+    EXPECT_EQ(entriesIn(folder / "cache"), 2u);
+    cacheIn("fresh");
+    const auto fresh = bakeMaterials(scene, {});
+    for (size_t i = 0; i < fresh.size(); ++i)
+        EXPECT_EQ(numbersOf(resumed[i]), numbersOf(fresh[i]));
+}
+
+// Bakes into the folder that the test below names, in a process of its own.
+TEST_F(BakeKeys, DISABLED_BakesBesideAnother)
+{
+    scene.materials = {materials().at("plain"), materials().at("full")};
+    for (int i = 0; i < 5; ++i)
+        bakeMaterials(scene, {});
+}
+
+TEST_F(BakeKeys, ProcessesThatBakeTheSameDoNoHarm)
+{
+    cacheIn("shared");
+    const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
+    const std::string one = fmt::format(
+        "'{}' --gtest_filter=BakeKeys.DISABLED_BakesBesideAnother --gtest_also_run_disabled_tests "
+        "--gtest_brief=1 >/dev/null 2>&1 & ",
+        program);
+    ASSERT_EQ(std::system((one + "a=$!; " + one + "b=$!; wait $a && wait $b").c_str()), 0);
+    EXPECT_EQ(entriesIn(folder / "shared"), 2u);
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "shared" / "lumel"))
+        EXPECT_NE(entry.path().filename().string().front(), '.') << "a temporary file is left";
+    scene.materials = {materials().at("plain"), materials().at("full")};
+    const auto recalled = bakeMaterials(scene, {});
+    cacheIn("fresh");
+    const auto fresh = bakeMaterials(scene, {});
+    for (size_t i = 0; i < fresh.size(); ++i)
+        EXPECT_EQ(numbersOf(recalled[i]), numbersOf(fresh[i]));
+}
+
 } // namespace
 } // namespace lumel::scene

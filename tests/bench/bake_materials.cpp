@@ -1,0 +1,100 @@
+// How long each material of glTF models takes to bake, worst first, and how exact the fits are: seconds a
+// megatexel of level 0, and the mean of E on levels 1, 2, 3 and 5.
+//   build/tests/bake_materials model.gltf...
+#include "baker/bake.h"
+#include "core/decoder_process.h"
+#include "core/error.h"
+#include "scene/gltf/gltf.h"
+#include "scene/material_maps.h"
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+
+namespace lumel {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Row {
+    std::string name;
+    glm::ivec2 size;
+    double seconds;
+    std::array<double, 4> errors; // mean E
+    double megatexels() const { return 1e-6 * size.x * size.y; }
+    double rate() const { return seconds / megatexels(); }
+    bool isConstant() const { return size == glm::ivec2(1); }
+};
+
+double meanError(const baker::Level& level)
+{
+    double sum = 0.0;
+    const size_t count = level.texels.size() / baker::kChannels;
+    for (size_t i = 0; i < count; ++i)
+        sum += double(level.texels[i * baker::kChannels + baker::kError]);
+    return sum / double(count);
+}
+
+Row bakeOne(const scene::Scene& scene, const scene::Material& material, const baker::Options& options)
+{
+    const baker::Maps maps = scene::reflectanceMaps(scene, material);
+    const auto start = Clock::now();
+    const baker::ReflectanceMips mips = baker::bake(maps, options);
+    Row row{fmt::format("{}:{}", scene.file.stem().string(), material.name),
+            baker::mapSize(maps),
+            std::chrono::duration<double>(Clock::now() - start).count(),
+            {}};
+    constexpr std::array<size_t, 4> kLevels = {1, 2, 3, 5};
+    for (size_t i = 0; i < kLevels.size(); ++i)
+        if (kLevels[i] < mips.levels.size())
+            row.errors[i] = meanError(mips.levels[kLevels[i]]);
+    return row;
+}
+
+void print(std::vector<Row>& rows)
+{
+    std::ranges::sort(rows, std::greater(), [](const Row& r) { return r.isConstant() ? 0.0 : r.rate(); });
+    fmt::print("{:40} {:>11} {:>8} {:>8}  {}\n", "material", "size", "seconds", "s/Mtexel",
+               "mean E, levels 1, 2, 3, 5");
+    double constantSeconds = 0.0;
+    int constants = 0;
+    for (const Row& r : rows) {
+        const auto& e = r.errors;
+        if (r.isConstant()) {
+            constantSeconds += r.seconds;
+            ++constants;
+            continue;
+        }
+        fmt::print("{:40} {:>11} {:8.3f} {:>8}  {:.5f} {:.5f} {:.5f} {:.5f}\n", r.name.substr(0, 40),
+                   fmt::format("{} x {}", r.size.x, r.size.y), r.seconds, fmt::format("{:.2f}", r.rate()),
+                   e[0], e[1], e[2], e[3]);
+    }
+    fmt::print("{} materials without maps: {:.1f} ms\n", constants, 1e3 * constantSeconds);
+}
+
+int run(int argc, char** argv)
+{
+    const baker::Options options;
+    std::vector<Row> rows;
+    for (int i = 1; i < argc; ++i) {
+        const scene::Scene scene = scene::loadGltf(argv[i]);
+        for (const scene::Material& material : scene.materials)
+            if (material.bakedFile.empty())
+                rows.push_back(bakeOne(scene, material, options));
+    }
+    print(rows);
+    return rows.empty() ? 2 : 0;
+}
+
+} // namespace
+} // namespace lumel
+
+int main(int argc, char** argv)
+{
+    try {
+        const lumel::DecoderProcess decoder; // before any thread
+        return lumel::run(argc, argv);
+    } catch (const lumel::Error& e) {
+        fmt::print(stderr, "bake_materials: {}\n", e.what());
+        return 1;
+    }
+}
