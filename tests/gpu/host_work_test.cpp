@@ -139,8 +139,9 @@ TEST_F(HostWorkTest, PassTimesMakeUpTheFrame)
     }
     std::ranges::nth_element(shares, shares.begin() + 7);
     // A GPU is done with so small a frame before the CPU has described it.
-    if (device().properties().deviceType == vk::PhysicalDeviceType::eCpu)
+    if (device().properties().deviceType == vk::PhysicalDeviceType::eCpu) {
         EXPECT_GT(shares[7], 0.5);
+    }
 }
 
 } // namespace
