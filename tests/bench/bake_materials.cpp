@@ -1,6 +1,6 @@
 // How long each material of glTF models takes to bake, worst first, and how exact the fits are: seconds a
 // megatexel of level 0, and the mean of E on levels 1, 2, 3 and 5.
-//   build/tests/bake_materials model.gltf...
+//   build/bake_materials model.gltf...
 #include "baker/bake.h"
 #include "core/decoder_process.h"
 #include "core/error.h"

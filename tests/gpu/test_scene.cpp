@@ -104,7 +104,8 @@ scene::Mesh sphereMesh(int rows, int columns)
     });
 }
 
-void TestScene::add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& worldFromObject)
+void TestScene::add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& worldFromObject,
+                    const baker::Options& options)
 {
     for (const auto& vertex : mesh.vertices)
         scene.bounds.add(glm::vec3(worldFromObject * glm::vec4(vertex.position, 1.0f)));
@@ -115,7 +116,7 @@ void TestScene::add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& 
     scene.meshes.push_back(std::move(mesh));
     scene.materials.emplace_back();
     scene::BakedMaterial baked;
-    baked.reflectance = baker::bake(maps, {});
+    baked.reflectance = baker::bake(maps, options);
     Image dark(1, 1, 4);
     dark.pixels.back() = 1.0f;
     baked.emissive = scene::HalfChain({dark});

@@ -28,7 +28,8 @@ struct TestScene {
     std::vector<scene::BakedMaterial> materials;
 
     // Bakes `maps` with the default model and adds the mesh as an object of that material.
-    void add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& worldFromObject = glm::mat4(1.0f));
+    void add(scene::Mesh mesh, const baker::Maps& maps, const glm::mat4& worldFromObject = glm::mat4(1.0f),
+             const baker::Options& options = {});
 };
 
 // Matte with a broad highlight, no maps. All lobes of these scenes are anisotropic and turned, so that

@@ -107,6 +107,28 @@ void expectStatedOrder(const Maps& maps, const std::string& name)
         EXPECT_EQ(text, "") << name << ", precision " << precision;
     }
 }
+
+// Errors and best Ks summed by the oracle over a dense grid.
+void expectBruteForceOrder(const Maps& maps, float precision, const std::string& name)
+{
+    constexpr int kCells = 128; // per side: half a deviation of the narrowest lobe apart
+    const Chains chains = chainsOf(maps, precision);
+    std::string text;
+    std::mutex mutex;
+    for (size_t l = 1; l < chains.as.levels.size(); ++l) {
+        const int width = chains.as.levels[l].width;
+        tbb::parallel_for(0, width * width, [&](int i) {
+            const auto lobes = lobesUnder(chains.as, l, i % width, i / width);
+            const std::string found =
+                violations(chains, kTolerance + double(precision), l, size_t(i), [&](const float* texel) {
+                    return oracleSums(lobes, oracleLobe(texel), kCells).bestError();
+                });
+            std::lock_guard lock(mutex);
+            text += found;
+        });
+    }
+    EXPECT_EQ(text, "") << name << ", precision " << precision;
+}
 } // namespace
 
 TEST(Invariants, HoldOverRandomMaps)
@@ -115,32 +137,17 @@ TEST(Invariants, HoldOverRandomMaps)
         expectStatedOrder(randomMap(seed, 32), "seed " + std::to_string(seed));
 }
 
-// The same by brute force: errors and best Ks summed by the oracle over a dense grid.
+// The same by brute force.
 TEST(Invariants, HoldByBruteForce)
 {
-    constexpr int kCells = 128; // per side: half a deviation of the narrowest lobe apart
     for (const unsigned seed : {1u, 4u, 8u, 11u}) {
         Maps maps = randomMap(seed, 8);
         for (float& power : maps.power.pixels)
             power = std::min(power, 250.0f);
         maps.powerConstant = std::min(maps.powerConstant, 250.0f);
         maps.anisotropicPower = glm::min(maps.anisotropicPower, glm::vec2(250.0f));
-        const Chains chains = chainsOf(maps, Options().precision);
-        std::string text;
-        std::mutex mutex;
-        for (size_t l = 1; l < chains.as.levels.size(); ++l) {
-            const int width = chains.as.levels[l].width;
-            tbb::parallel_for(0, width * width, [&](int i) {
-                const auto lobes = lobesUnder(chains.as, l, i % width, i / width);
-                const std::string found = violations(
-                    chains, kTolerance + double(Options().precision), l, size_t(i), [&](const float* texel) {
-                        return oracleSums(lobes, oracleLobe(texel), kCells).bestError();
-                    });
-                std::lock_guard lock(mutex);
-                text += found;
-            });
-        }
-        EXPECT_EQ(text, "") << "seed " << seed;
+        for (const float precision : {0.0f, Options().precision})
+            expectBruteForceOrder(maps, precision, "seed " + std::to_string(seed));
     }
 }
 

@@ -89,21 +89,23 @@ TEST(ReportMeasure, FiguresAreTheOracles)
 TEST(ReportMeasure, MeasuresOddSizesAndTexelsOfFineLevels)
 {
     // Level 1 has more texels than are measured; the sizes cover fractions of texels.
-    const Measured m = measured(normalMaps(noiseNormals(45, 37, 0.15f, 3), 60.0f));
-    EXPECT_EQ(m.report.measured.methods.size(), 6u) << "a normal map has no heights to average";
-    EXPECT_EQ(m.report.measured.levels[0].sample.size(), size_t(kReportTexels));
-    for (const MeasuredLevel& level : m.report.measured.levels) {
-        // What the baker stated of the same texels.
-        double stated = 0.0;
-        for (const int i : level.sample)
-            stated += m.mips.levels[size_t(level.number)].at(i % level.width, i / level.width)[kError];
-        EXPECT_NEAR(level.figures[0].mean, stated / double(level.sample.size()), 2e-3) << level.number;
-        for (size_t method = 1; method < m.report.measured.methods.size(); ++method)
-            EXPECT_LE(level.figures[0].mean, level.figures[method].mean + 1e-4 + double(Options().precision));
+    for (const Options& options : {exactly(), Options()}) {
+        const Measured m = measured(normalMaps(noiseNormals(45, 37, 0.15f, 3), 60.0f), options);
+        EXPECT_EQ(m.report.measured.methods.size(), 6u) << "a normal map has no heights to average";
+        EXPECT_EQ(m.report.measured.levels[0].sample.size(), size_t(kReportTexels));
+        for (const MeasuredLevel& level : m.report.measured.levels) {
+            // What the baker stated of the same texels.
+            double stated = 0.0;
+            for (const int i : level.sample)
+                stated += m.mips.levels[size_t(level.number)].at(i % level.width, i / level.width)[kError];
+            EXPECT_NEAR(level.figures[0].mean, stated / double(level.sample.size()), 2e-3) << level.number;
+            for (size_t method = 1; method < m.report.measured.methods.size(); ++method)
+                EXPECT_LE(level.figures[0].mean,
+                          level.figures[method].mean + 1e-4 + double(options.precision));
+        }
     }
 }
 
-// A baked closed form keeps its mean Ks, and is shown beside itself at its best.
 TEST(ReportMeasure, BakedClosedFormsAreNamedByTheirKs)
 {
     Options lean;

@@ -12,8 +12,8 @@ using namespace test;
 TEST(Report, ComparesTheFitWithEveryClosedForm)
 {
     const Maps maps = heightMaps(bumps(32, 32), 0.2f, 120.0f);
-    const ReflectanceMips mips = bake(maps, {});
-    const auto json = nlohmann::json::parse(reportJson(makeReport(maps, {}, mips, 1.5)));
+    const ReflectanceMips mips = bake(maps, exactly());
+    const auto json = nlohmann::json::parse(reportJson(makeReport(maps, exactly(), mips, 1.5)));
     EXPECT_EQ(json["schema"], 2);
     EXPECT_EQ(json["seconds"], 1.5);
     ASSERT_EQ(json["levels"].size(), mips.levels.size() - 1);
@@ -23,7 +23,8 @@ TEST(Report, ComparesTheFitWithEveryClosedForm)
         EXPECT_EQ(fit["method"], "fit");
         EXPECT_NEAR(fit["mean"].get<double>(), meanOf(mips.levels[level["level"]], kError), 1e-6);
         for (const auto& other : level["methods"]) {
-            EXPECT_LE(fit["mean"].get<double>(), other["mean"].get<double>() + double(Options().precision));
+            const double tolerance = other["method"] == "fit-power" ? 1e-4 : 1e-6; // it is a search, too
+            EXPECT_LE(fit["mean"].get<double>(), other["mean"].get<double>() + tolerance) << other["method"];
             EXPECT_LE(other["mean"].get<double>(), other["worst"].get<double>() + 1e-9);
         }
     }
