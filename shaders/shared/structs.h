@@ -396,7 +396,7 @@ struct FeedbackPush {
     LUMEL_ADDRESS(FeedbackTotals) total;
     vec2 jitter;   // of the samples, in full-size pixels
     float divisor; // full-size pixels per sample, per axis
-    uint object;
+    uint object;   // masked ones are drawn one by one
     uvec2 size;    // samples
 };
 

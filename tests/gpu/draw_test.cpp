@@ -211,14 +211,14 @@ TEST_F(DrawTest, MeshesShareBuffersUpToASize)
     ASSERT_EQ(parts.size(), meshes.size());
     EXPECT_EQ(parts[0].vertices.buffer, parts[1].vertices.buffer);
     EXPECT_EQ(parts[1].vertices.first, 4u);
-    EXPECT_EQ(parts[1].vertices.address(), parts[0].vertices.address() + 4 * sizeof(shared::Vertex));
+    EXPECT_EQ(parts[1].vertices.address, parts[0].vertices.address + 4 * sizeof(shared::Vertex));
     EXPECT_EQ(parts[1].indices.first, 6u);
     EXPECT_EQ(parts[2].indices.first, 28u);
     EXPECT_NE(parts[3].vertices.buffer, parts[2].vertices.buffer); // too large to share
     EXPECT_NE(parts[4].vertices.buffer, parts[3].vertices.buffer);
     EXPECT_EQ(parts[4].indices.buffer, parts[5].indices.buffer);
     for (const MeshParts& part : parts) {
-        EXPECT_EQ(part.vertices.address() % 8, 0u);
-        EXPECT_EQ(part.indices.address() % 8, 0u);
+        EXPECT_EQ(part.vertices.address % 8, 0u);
+        EXPECT_EQ(part.indices.address % 8, 0u);
     }
 }

@@ -212,11 +212,9 @@ void FloorPass::recordFeedback(Frame& frame)
     bindSets(frame, vk::PipelineBindPoint::eGraphics, feedback_);
     shared::FeedbackPush push{};
     push.divisor = float(FeedbackPass::kSparse);
-    for (const size_t object : DrawPass::nearestFirst(frame)) {
-        push.object = uint32_t(object);
-        pushConstants(frame.commands, feedback_, push);
+    pushConstants(frame.commands, feedback_, push);
+    for (const size_t object : DrawPass::nearestFirst(frame))
         drawTriangles(frame, object);
-    }
     frame.commands.endRendering();
 }
 

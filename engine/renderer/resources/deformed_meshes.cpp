@@ -58,9 +58,9 @@ DeformedMeshes::Item DeformedMeshes::makeItem(const gpu::Device& device, const s
     item.skin = deformed.skin;
     item.extents = d.extents;
     const auto addressOr = [&](const gpu::Buffer& buffer) {
-        return buffer ? buffer.address() : source.vertices.address(); // never read
+        return buffer ? buffer.address() : source.vertices.address; // never read
     };
-    item.push = {.rest = source.vertices.address(),
+    item.push = {.rest = source.vertices.address,
                  .deformed = item.vertices.address(),
                  .joints = addressOr(source.influences),
                  .firstDeltas = addressOr(source.firstDeltas),

@@ -27,8 +27,8 @@ shared::Object dataOf(const scene::Material& material, const GpuMesh& mesh, cons
                       const GpuSurface& surface)
 {
     shared::Object data{};
-    data.vertices = vertices.address();
-    data.indices = mesh.indices.address();
+    data.vertices = vertices.address;
+    data.indices = mesh.indices.address;
     data.colours = mesh.colours.address();
     data.dielectric = dielectricReflectance(material);
     data.litSize = surface.litSize;
@@ -48,7 +48,7 @@ BufferPart verticesOf(const scene::Object& object, const GpuMesh& mesh, const De
     if (object.deformed < 0)
         return mesh.vertices;
     const gpu::Buffer& own = deformed.items()[size_t(object.deformed)].vertices;
-    return {.buffer = own.handle(), .start = own.address()};
+    return {.buffer = own.handle(), .address = own.address()};
 }
 
 } // namespace

@@ -35,7 +35,7 @@ void MeshBuffers::uploadSome(gpu::UploadBatch& batch, std::span<const scene::Mes
         buffers_.emplace_back(batch.buffer(vertices, "vertices", gpu::MemoryKind::geometry));
     const auto place = [](BufferPart& part, const gpu::Buffer& buffer, size_t elementBytes) {
         part.buffer = buffer.handle();
-        part.start = buffer.address() + part.first * elementBytes;
+        part.address = buffer.address() + part.first * elementBytes;
     };
     for (size_t i = firstPart; i < parts_.size(); ++i)
         place(parts_[i].vertices, v, sizeof(shared::Vertex));

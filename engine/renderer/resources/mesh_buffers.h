@@ -8,10 +8,8 @@ namespace lumel {
 // Vertices or indices of a mesh.
 struct BufferPart {
     vk::Buffer buffer;
-    vk::DeviceAddress start = 0; // of the part
-    uint32_t first = 0;          // element
-
-    vk::DeviceAddress address() const { return start; }
+    vk::DeviceAddress address = 0; // of the part
+    uint32_t first = 0;            // element
 };
 
 struct MeshParts {
