@@ -67,7 +67,7 @@ LitMip litMip(uint mip)
 // are bilinear: they overlap, and a footprint that is longer than a lumel needs no smoother filter.
 vec4 filtered(LitMip mip, Footprint footprint)
 {
-    bool along = !footprint.round && push.anisotropy > 1.0;
+    bool along = footprint.elongation > kRound;
     int lookups = along ? footprint.taps : kFilterLookups[kFilter];
     float share = 1.0 / float(footprint.taps);
     vec2 p = uv * mip.size, axis = footprint.axis * mip.size;

@@ -35,7 +35,7 @@ MaterialTexel materialHere(vec4 dx, vec4 dy)
         return sampleMaterial(uv, vec2(levelOf(mapNormal, dx.xy, dy.xy, 1.0),
                                        kConstantEmission ? 0.0 : levelOf(mapEmissive, dx.zw, dy.zw, 1.0)));
     Footprint reflectance = footprintIn(mapNormal, dx.xy, dy.xy), emissive = footprintIn(mapEmissive, dx.zw, dy.zw);
-    int taps = clamp(max(reflectance.taps, emissive.taps), 1, kMostTaps);
+    int taps = reflectanceTaps(max(reflectance.elongation, emissive.elongation));
     MaterialTexel sum = noMaterial();
     vec3 products = vec3(0.0); // mean of the normal's xx, xy, yy
     for (int i = 0; i < taps; ++i) {
@@ -59,7 +59,7 @@ float opacityHere(vec4 dx, vec4 dy)
         return textureLod(mapOpacity, uv.xy, max(level, 0.0)).x;
     }
     Footprint footprint = footprintIn(mapOpacity, dx.xy, dy.xy);
-    int taps = clamp(footprint.taps, 1, kMostTaps);
+    int taps = reflectanceTaps(footprint.elongation);
     float sum = 0.0;
     for (int i = 0; i < taps; ++i)
         sum += textureLod(mapOpacity, uv.xy + alongAxis(i, taps) * footprint.axis, max(footprint.level, 0.0)).x;

@@ -7,8 +7,8 @@ const int kMostTaps = 16;
 
 struct Footprint {
     float level; // MIP level whose texels match the footprint's width; 0 = one level-0 texel, may be negative
+    float elongation; // times as long as wide, or as a texel, up to the most taps
     int taps;    // samples along the long axis
-    bool round;  // about as long as wide
     vec2 axis;   // texture coordinates from the centre to either end of the long axis
 };
 
@@ -31,13 +31,21 @@ Footprint footprintOf(vec2 dx, vec2 dy, vec2 size, float anisotropy)
     direction = directionLength > 0.0 ? direction / directionLength : vec2(1.0, 0.0);
     Footprint footprint;
     // Texels finer than level 0 do not exist: a magnified footprint needs no taps.
-    float longer = major / max(minor, 1.0);
-    footprint.round = longer <= 1.01;
-    // To the nearest: rounded up, they cost more and blur.
-    footprint.taps = int(clamp(floor(longer + 0.5), 1.0, max(anisotropy, 1.0)));
+    footprint.elongation = clamp(major / max(minor, 1.0), 1.0, max(anisotropy, 1.0));
+    // To the nearest: rounded up, taps on light cost more and blur.
+    footprint.taps = int(floor(footprint.elongation + 0.5));
     footprint.level = log2(max(minor, 1e-6));
     footprint.axis = 0.5 * direction * major / size;
     return footprint;
+}
+
+// About as long as wide.
+const float kRound = 1.01;
+
+// Taps on reflectance, whose average is no light's: rounded to the nearest, they would miss highlights.
+int reflectanceTaps(float elongation)
+{
+    return clamp(int(ceil(elongation - (kRound - 1.0))), 1, kMostTaps);
 }
 
 // The level of a map whose texels match the footprint, by the map's own size: a material's maps differ in it. Below 0
