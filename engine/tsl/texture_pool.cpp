@@ -4,9 +4,11 @@
 
 namespace lumel::tsl {
 
-// A block holds about this much, so that small textures share one.
+// A class's first block holds about this much, so that small textures share one.
 constexpr size_t kBlockBytes = size_t(1) << 20;
 constexpr uint32_t kMaxLayers = 64;
+// Of the cap, at most what a later block of several textures takes: memory is given up by blocks.
+constexpr size_t kShareOfCap = 32;
 
 TextureLayout::TextureLayout(glm::uvec2 textureSize) : size(textureSize), extent(textureSize)
 {
@@ -77,21 +79,32 @@ bool TexturePool::evictFor(size_t bytes, size_t limit, uint64_t frame)
         PoolBlock& block = blocks_[size_t(oldest)];
         for (uint32_t layer = 0; layer < block.textures.size(); ++layer)
             disown({oldest, layer});
-        usedBytes_ -= TextureLayout(block.size).blockBytes();
+        usedBytes_ -= block.bytes();
         block = {};
     }
     return true;
 }
 
-void TexturePool::addBlock(glm::uvec2 size)
+// As many as the class has, where there is room.
+uint32_t TexturePool::layersOfNext(const TextureLayout& layout, size_t limit) const
 {
-    const TextureLayout layout(size);
-    usedBytes_ += layout.blockBytes();
+    size_t count = 0;
+    for (const PoolBlock& block : blocks_)
+        count += block.size == layout.size ? block.textures.size() : 0;
+    const size_t bytes = std::min(capBytes_ / kShareOfCap, limit - std::min(usedBytes_, limit));
+    const size_t most = std::min<size_t>(bytes / layout.layerBytes(), kMaxLayers);
+    return std::max(layout.layers, uint32_t(std::min(count, most)));
+}
+
+void TexturePool::addBlock(glm::uvec2 size, size_t limit)
+{
+    const uint32_t layers = layersOfNext(TextureLayout(size), limit);
     auto slot =
         std::find_if(blocks_.begin(), blocks_.end(), [](const auto& b) { return b.textures.empty(); });
     if (slot == blocks_.end())
         slot = blocks_.emplace(blocks_.end());
-    *slot = {.size = size, .textures = std::vector<PoolTexture>(layout.layers)};
+    *slot = {.size = size, .textures = std::vector<PoolTexture>(layers)};
+    usedBytes_ += slot->bytes();
 }
 
 void TexturePool::disown(TextureId id)
@@ -129,7 +142,7 @@ TextureId TexturePool::acquire(int object, uint32_t litLevel, glm::uvec2 size, u
             return claim(old, object, litLevel, frame);
     if (!evictFor(bytes, limit, frame) && !evictFor(bytes, capBytes_, frame))
         return {};
-    addBlock(size);
+    addBlock(size, limit);
     return claim(findRecyclable(size, frame, true), object, litLevel, frame);
 }
 

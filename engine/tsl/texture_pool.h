@@ -1,7 +1,7 @@
 // Recycled lit textures: who draws which texture. CPU bookkeeping only; passes/lit_pool.h owns the images.
 // Objects own nothing. Textures of one size class (powers of two) are layers of blocks, so that one dispatch
-// serves many objects; within a class the least recently used one is taken over first, and the bytes of all
-// blocks never pass the cap.
+// serves many objects: each new block of a class doubles what it has, within a share of the cap. Within a
+// class the least recently used texture is taken over first, and the bytes of all blocks never pass the cap.
 #pragma once
 #include "shared/structs.h"
 #include <array>
@@ -18,11 +18,11 @@ struct TextureLayout {
     glm::uvec2 size;
     uint32_t mips;
     glm::uvec2 extent; // lumels of a layer: MIP 0 and the others beside it
-    std::array<uint32_t, shared::kMaxLevels> tileOffsets{}; // first tile of each MIP
-    uint32_t tiles;                                         // of all MIPs
-    uint32_t layers;                                        // textures a block holds
-    size_t layerBytes() const;                              // RGBA16F and the tiles' states
-    size_t blockBytes() const { return layerBytes() * layers; }
+    std::array<uint32_t, shared::kMaxLevels> tileOffsets{};     // first tile of each MIP
+    uint32_t tiles;                                             // of all MIPs
+    uint32_t layers;                                            // textures that a class's first block holds
+    size_t layerBytes() const;                                  // RGBA16F and the tiles' states
+    size_t blockBytes() const { return layerBytes() * layers; } // of that block
 };
 
 struct TextureId {
@@ -41,6 +41,7 @@ struct PoolTexture {
 struct PoolBlock {
     glm::uvec2 size{0};                // zero: given up, the slot is free
     std::vector<PoolTexture> textures; // a layer each
+    size_t bytes() const { return TextureLayout(size).layerBytes() * textures.size(); }
 };
 
 class TexturePool {
@@ -71,7 +72,8 @@ private:
     TextureId claim(TextureId id, int object, uint32_t litLevel, uint64_t frame);
     TextureId findRecyclable(glm::uvec2 size, uint64_t frame, bool freeOnly) const;
     bool evictFor(size_t bytes, size_t limit, uint64_t frame);
-    void addBlock(glm::uvec2 size);
+    uint32_t layersOfNext(const TextureLayout& layout, size_t limit) const;
+    void addBlock(glm::uvec2 size, size_t limit);
     void disown(TextureId id);
 
     size_t capBytes_;

@@ -11,24 +11,24 @@ LitPool::LitPool(const gpu::Device& device, size_t capBytes)
 {
 }
 
-LitBlock LitPool::make(glm::uvec2 size) const
+LitBlock LitPool::make(const tsl::PoolBlock& wanted) const
 {
     LitBlock block;
-    block.layout = tsl::TextureLayout(size);
+    block.layout = tsl::TextureLayout(wanted.size);
+    block.layers = uint32_t(wanted.textures.size());
     using Usage = vk::ImageUsageFlagBits;
     block.image =
         gpu::Image(device_,
                    {.width = block.layout.extent.x,
                     .height = block.layout.extent.y,
-                    .layers = block.layout.layers,
+                    .layers = block.layers,
                     .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc | Usage::eTransferDst,
                     .arrayView = true,
                     .remedy = "use a smaller --pool-mb",
                     .kind = gpu::MemoryKind::litTextures},
                    "lit block");
-    block.states =
-        gpu::Buffer(device_, block.stateOffset(block.layout.layers), gpu::Buffer::MemoryUsage::device,
-                    "tile states", "use a smaller --pool-mb", gpu::MemoryKind::litTextures);
+    block.states = gpu::Buffer(device_, block.stateOffset(block.layers), gpu::Buffer::MemoryUsage::device,
+                               "tile states", "use a smaller --pool-mb", gpu::MemoryKind::litTextures);
     block.set = gpu::makeSet(device_, layout_);
     gpu::writeStorage(device_, *block.set, 0, block.image.view());
     gpu::writeSampled(device_, *block.set, 1, *sampler_, block.image.view(), vk::ImageLayout::eGeneral);
@@ -39,7 +39,7 @@ void LitPool::free(gpu::FrameRing& ring)
 {
     size_t bytes = pool_.usedBytes();
     for (const auto& [lastUse, block] : givenUp_)
-        bytes += lastUse > ring.finished() ? block.layout.blockBytes() : 0;
+        bytes += lastUse > ring.finished() ? block.bytes() : 0;
     if (bytes > pool_.capBytes())
         ring.waitForAll();
     std::erase_if(givenUp_, [&](const auto& entry) { return entry.first <= ring.finished(); });
@@ -51,7 +51,9 @@ void LitPool::update(gpu::FrameRing& ring)
     blocks_.resize(wanted.size());
     prepared_.resize(wanted.size());
     // Free first, so that memory never passes the cap.
-    const auto fits = [&](size_t i) { return blocks_[i].layout.size == wanted[i].size; };
+    const auto fits = [&](size_t i) {
+        return blocks_[i].layout.size == wanted[i].size && blocks_[i].layers == wanted[i].textures.size();
+    };
     for (size_t i = 0; i < wanted.size(); ++i)
         if (blocks_[i] && !fits(i)) {
             givenUp_.emplace_back(ring.submitted(), std::exchange(blocks_[i], {}));
@@ -60,7 +62,7 @@ void LitPool::update(gpu::FrameRing& ring)
     free(ring);
     for (size_t i = 0; i < wanted.size(); ++i)
         if (!wanted[i].textures.empty() && !blocks_[i])
-            blocks_[i] = make(wanted[i].size);
+            blocks_[i] = make(wanted[i]);
 }
 
 void LitPool::clear(size_t capBytes)

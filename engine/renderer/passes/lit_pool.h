@@ -7,11 +7,13 @@ namespace lumel {
 
 struct LitBlock {
     tsl::TextureLayout layout{glm::uvec2(1)};
+    uint32_t layers = 0;
     gpu::Image image;
     gpu::Buffer states; // TileState, layer after layer
     vk::raii::DescriptorSet set = nullptr;
 
     explicit operator bool() const { return bool(image); }
+    size_t bytes() const { return layout.layerBytes() * layers; }
     size_t stateOffset(uint32_t layer) const
     {
         return size_t(layer) * layout.tiles * sizeof(shared::TileState);
@@ -38,7 +40,7 @@ public:
     const gpu::SetLayout& layout() const { return layout_; }
 
 private:
-    LitBlock make(glm::uvec2 size) const;
+    LitBlock make(const tsl::PoolBlock& wanted) const;
     void free(gpu::FrameRing& ring);
     void recordTakeover(vk::CommandBuffer commands, const tsl::ObjectResidency& resident) const;
     const gpu::Device& device_;

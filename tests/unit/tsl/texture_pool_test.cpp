@@ -11,7 +11,7 @@ size_t sumOfBytes(const TexturePool& pool)
     size_t bytes = 0;
     for (const PoolBlock& block : pool.blocks())
         if (!block.textures.empty())
-            bytes += TextureLayout(block.size).blockBytes();
+            bytes += block.bytes();
     return bytes;
 }
 
