@@ -98,10 +98,14 @@ void main()
     for (int level = 0;;) {
         float weight = level == 0 ? 1.0 - blend.coarser : level < levels ? blend.coarser : 1.0;
         sum += weight * filtered(litMip(mip), footprint);
-        mip = level == 0 ? blend.coarse : mip + 1u;
-        // Lumels without light weigh nothing. Where no tap met any, coarser MIPs have some; the last one always has.
-        if (++level >= levels && (sum.a > kLeastLight || mip > last || level > int(kMaxLevels)))
+        bool isLast = mip == last;
+        mip = level == 0 ? blend.coarse : min(mip + 2u, last);
+        // Lumels without light weigh nothing. Where no tap met any, coarser MIPs have some; the last one always has. Every
+        // other of them, and one bilinear lookup: on software Vulkan, lanes outside small triangles often come here.
+        if (++level >= levels && (sum.a > kLeastLight || isLast))
             break;
+        footprint.taps = level >= levels ? 1 : footprint.taps;
+        footprint.elongation = level >= levels ? 2.0 * kRound : footprint.elongation;
     }
     // Catmull-Rom's lobes may fall below 0.
     colour = vec4(max(sum.rgb / max(sum.a, 0.1), vec3(0.0)), push.draw.opacity);

@@ -60,6 +60,13 @@ mat4x2 catmullRomWeights(vec2 f)
                   f * f * (-0.5 + 0.5 * f));
 }
 
+// The same of four places: a column each weight, a row each place.
+mat4 catmullRomWeights(vec4 f)
+{
+    return mat4(f * (-0.5 + f * (1.0 - 0.5 * f)), 1.0 + f * f * (-2.5 + 1.5 * f), f * (0.5 + f * (2.0 - 1.5 * f)),
+                f * f * (-0.5 + 0.5 * f));
+}
+
 // Catmull-Rom with 5 lookups: the 9 of its separable form less the four corners, whose weights are small,
 // renormalised (Jimenez 2016, "Filmic SMAA"). Interpolates: keeps contrast. Its two lumels in the middle are one.
 Kernel catmullRomKernel(vec2 p)

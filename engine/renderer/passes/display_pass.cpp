@@ -103,9 +103,9 @@ void DisplayPass::recordUpscale(Frame& frame)
                           gpu::Use::computeSample);
         bindSets(frame, vk::PipelineBindPoint::eCompute, upscale_, {set});
         pushConstants(frame.commands, upscale_, push);
-        // An invocation makes two pixels along the axis that is scaled.
+        // An invocation makes four pixels along the axis that is scaled.
         const bool sideways = push.from.x != push.to.x;
-        dispatchOver(frame.commands, (push.to + 1u) / (sideways ? glm::uvec2(2, 1) : glm::uvec2(1, 2)));
+        dispatchOver(frame.commands, (push.to + 3u) / (sideways ? glm::uvec2(4, 1) : glm::uvec2(1, 4)));
     };
     scale(frame.targets.small, *upscaleXSet_, {.from = from, .to = between});
     scale(frame.targets.wide, *upscaleYSet_, {.from = between, .to = size});
