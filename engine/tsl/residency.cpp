@@ -28,10 +28,8 @@ float biasForCap(std::span<const ObjectFeedback> feedback, size_t capBytes)
                 ++textures[{size.x, size.y}];
             }
         size_t bytes = 0;
-        for (const auto& [size, count] : textures) {
-            const TextureLayout layout({size.first, size.second});
-            bytes += (count + layout.layers - 1) / layout.layers * layout.blockBytes();
-        }
+        for (const auto& [size, count] : textures)
+            bytes += count * TextureLayout({size.first, size.second}).layerBytes();
         if (bytes <= capBytes)
             return bias;
     }

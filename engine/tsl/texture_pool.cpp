@@ -5,10 +5,12 @@
 namespace lumel::tsl {
 
 // A class's first block holds about this much, so that small textures share one.
-constexpr size_t kBlockBytes = size_t(1) << 20;
-constexpr uint32_t kMaxLayers = 64;
-// Of the cap, at most what a later block of several textures takes: memory is given up by blocks.
+constexpr size_t kBlockBytes = size_t(4) << 20;
+constexpr size_t kMaxLayers = 128;
+// At most what a block of several textures takes: of the cap, since memory is given up by blocks, and of what
+// is left.
 constexpr size_t kShareOfCap = 32;
+constexpr size_t kShareOfRoom = 8;
 
 TextureLayout::TextureLayout(glm::uvec2 textureSize) : size(textureSize), extent(textureSize)
 {
@@ -22,7 +24,6 @@ TextureLayout::TextureLayout(glm::uvec2 textureSize) : size(textureSize), extent
         const glm::uvec2 origin = shared::mipOrigin(size, mip);
         extent = glm::max(extent, origin + lumels);
     }
-    layers = uint32_t(std::clamp<size_t>(kBlockBytes / layerBytes(), 1, kMaxLayers));
 }
 
 size_t TextureLayout::layerBytes() const
@@ -85,15 +86,16 @@ bool TexturePool::evictFor(size_t bytes, size_t limit, uint64_t frame)
     return true;
 }
 
-// As many as the class has, where there is room.
+// As many as the class has, while there is room.
 uint32_t TexturePool::layersOfNext(const TextureLayout& layout, size_t limit) const
 {
     size_t count = 0;
     for (const PoolBlock& block : blocks_)
         count += block.size == layout.size ? block.textures.size() : 0;
-    const size_t bytes = std::min(capBytes_ / kShareOfCap, limit - std::min(usedBytes_, limit));
-    const size_t most = std::min<size_t>(bytes / layout.layerBytes(), kMaxLayers);
-    return std::max(layout.layers, uint32_t(std::min(count, most)));
+    const size_t room = limit - std::min(usedBytes_, limit);
+    const size_t most = std::min(capBytes_ / kShareOfCap, room / kShareOfRoom) / layout.layerBytes();
+    const size_t wanted = std::max(count, kBlockBytes / layout.layerBytes());
+    return uint32_t(std::max<size_t>(1, std::min({wanted, most, kMaxLayers})));
 }
 
 void TexturePool::addBlock(glm::uvec2 size, size_t limit)
@@ -135,7 +137,7 @@ TextureId TexturePool::acquire(int object, uint32_t litLevel, glm::uvec2 size, u
     if (const TextureId unused = findRecyclable(size, frame, true))
         return claim(unused, object, litLevel, frame);
     // New memory before taking over: an object out of view for a moment then keeps its lumels.
-    const size_t bytes = TextureLayout(size).blockBytes();
+    const size_t bytes = TextureLayout(size).layerBytes();
     const size_t limit = capBytes_ - leftFree_;
     if (usedBytes_ + bytes > limit)
         if (const TextureId old = findRecyclable(size, frame, false))

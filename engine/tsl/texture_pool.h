@@ -1,6 +1,6 @@
 // Recycled lit textures: who draws which texture. CPU bookkeeping only; passes/lit_pool.h owns the images.
 // Objects own nothing. Textures of one size class (powers of two) are layers of blocks, so that one dispatch
-// serves many objects: each new block of a class doubles what it has, within a share of the cap. Within a
+// serves many objects: each new block of a class doubles what it has, while there is room. Within a
 // class the least recently used texture is taken over first, and the bytes of all blocks never pass the cap.
 #pragma once
 #include "shared/structs.h"
@@ -18,11 +18,9 @@ struct TextureLayout {
     glm::uvec2 size;
     uint32_t mips;
     glm::uvec2 extent; // lumels of a layer: MIP 0 and the others beside it
-    std::array<uint32_t, shared::kMaxLevels> tileOffsets{};     // first tile of each MIP
-    uint32_t tiles;                                             // of all MIPs
-    uint32_t layers;                                            // textures that a class's first block holds
-    size_t layerBytes() const;                                  // RGBA16F and the tiles' states
-    size_t blockBytes() const { return layerBytes() * layers; } // of that block
+    std::array<uint32_t, shared::kMaxLevels> tileOffsets{}; // first tile of each MIP
+    uint32_t tiles;                                         // of all MIPs
+    size_t layerBytes() const;                              // RGBA16F and the tiles' states
 };
 
 struct TextureId {

@@ -111,7 +111,7 @@ TEST(Residency, AFinerTextureTakesOverWhatWasLitAndFadesIn)
 
 TEST(Residency, ATextureInItsPredecessorsMemoryIsFresh)
 {
-    TexturePool pool(TextureLayout({512, 512}).blockBytes()); // for either texture, not for both
+    TexturePool pool(TextureLayout({512, 512}).layerBytes()); // for either texture, not for both
     Residency residency;
     residency.assign(pool, std::vector{feedbackAt(1.5f, {512, 512})}, 1);
     EXPECT_EQ(residency.objects()[0].litLevel, 1u);
@@ -123,7 +123,7 @@ TEST(Residency, ATextureInItsPredecessorsMemoryIsFresh)
 
 TEST(Residency, ACoarserTextureThatDoesNotFitBesideTheLitOneWaits)
 {
-    TexturePool pool(TextureLayout({512, 512}).blockBytes());
+    TexturePool pool(TextureLayout({512, 512}).layerBytes());
     Residency residency;
     residency.assign(pool, std::vector{feedbackAt(0.5f, {512, 512})}, 1);
     const TextureId lit = residency.objects()[0].texture;

@@ -17,7 +17,7 @@ size_t sumOfBytes(const TexturePool& pool)
 
 // A class with one texture per block, so that bytes count textures.
 constexpr glm::uvec2 kBig(512);
-const size_t kBigBytes = TextureLayout(kBig).blockBytes();
+const size_t kBigBytes = TextureLayout(kBig).layerBytes();
 
 } // namespace
 
@@ -61,7 +61,22 @@ TEST(TexturePool, SmallTexturesShareABlock)
     const TextureId b = pool.acquire(1, 0, {32, 32}, 1);
     EXPECT_EQ(a.block, b.block);
     EXPECT_NE(a.layer, b.layer);
-    EXPECT_EQ(pool.usedBytes(), TextureLayout({32, 32}).blockBytes());
+    EXPECT_EQ(pool.usedBytes(), sumOfBytes(pool));
+}
+
+TEST(TexturePool, ManyTexturesShareFewBlocksAndLittleIsLeftOver)
+{
+    for (const uint32_t side : {64u, 128u, 256u}) {
+        const size_t bytes = TextureLayout(glm::uvec2(side)).layerBytes();
+        TexturePool pool(size_t(512) << 20);
+        for (int object = 0; object < 100; ++object)
+            ASSERT_TRUE(pool.acquire(object, 0, glm::uvec2(side), 1));
+        EXPECT_LE(pool.blocks().size(), 8u) << side;
+        EXPECT_LE(pool.usedBytes(), 200 * bytes) << side;
+        TexturePool tight(100 * bytes); // no room is wasted where there is none
+        for (int object = 0; object < 100; ++object)
+            ASSERT_TRUE(tight.acquire(object, 0, glm::uvec2(side), 1)) << side << " " << object;
+    }
 }
 
 TEST(TexturePool, TheLeastRecentlyUsedIsTakenOverFirst)
@@ -89,7 +104,7 @@ TEST(TexturePool, WhatThisFrameUsesIsNeverTakenAway)
 
 TEST(TexturePool, OtherClassesGiveUpMemoryWhenTheCapBinds)
 {
-    TexturePool pool(TextureLayout({1024, 1024}).blockBytes());
+    TexturePool pool(TextureLayout({1024, 1024}).layerBytes());
     for (int i = 0; i < 3; ++i)
         ASSERT_TRUE(pool.acquire(i, 0, kBig, 1));
     ASSERT_TRUE(pool.acquire(9, 0, {1024, 1024}, 2));
