@@ -12,5 +12,8 @@ void main()
         return;
     uint place = push.pixels.at[index].place;
     uvec2 packed = push.pixels.at[index].radiance;
-    imageStore(written, ivec2(place & 0xffffu, place >> 16u), vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y)));
+    ivec2 pixel = ivec2(place & 0xffffu, place >> 16u);
+    vec4 blended = vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y));
+    imageStore(written, pixel, blended);
+    imageStore(display, pixel, displayed(blended.rgb));
 }

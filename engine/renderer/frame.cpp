@@ -21,9 +21,9 @@ void Renderer::recordFrame(Frame& frame)
     else
         draw_.record(frame, pool_); // look the light up, per pixel
     endPass(frame);
-    if (filtersEdges(settings_))
-        edges_.record(frame); // smooth the staircases between objects
-    display_.record(frame, settings_.shading == Shading::reference ? sumSamples_ : 0); // tone-map, once
+    // Tone-map, once, and smooth the staircases between objects.
+    display_.record(frame, settings_.shading == Shading::reference ? sumSamples_ : 0,
+                    filtersEdges(settings_) ? &edges_ : nullptr);
 }
 
 void Renderer::recordTextureSpace(Frame& frame)
@@ -225,6 +225,8 @@ void Renderer::preparePipelines()
     }
     draw_.prepare(frame, pool_, lights);
     display_.prepare(frame);
+    if (filtersEdges(settings_))
+        edges_.prepare(frame);
 }
 
 glm::mat4 Renderer::clipFromWorld(const scene::Camera& camera) const

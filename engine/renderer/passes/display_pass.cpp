@@ -111,15 +111,31 @@ void DisplayPass::recordUpscale(Frame& frame)
     scale(frame.targets.wide, *upscaleYSet_, {.from = between, .to = size});
 }
 
-void DisplayPass::record(Frame& frame, int sampleCount)
+void DisplayPass::recordToneMapping(Frame& frame, int sampleCount)
+{
+    const vk::CommandBuffer commands = frame.commands;
+    const gpu::Image& source = sampleCount ? frame.targets.sum : frame.targets.hdr;
+    gpu::imageBarrier(commands, source.handle(), source.aspect(),
+                      sampleCount ? gpu::Use::computeReadWrite : gpu::Use::colorWrite,
+                      gpu::Use::computeSample);
+    const gpu::Pipeline& toneMapped = pipeline(frame.device, frame.scene, uint32_t(frame.settings.toneMap));
+    bindSets(frame, vk::PipelineBindPoint::eCompute, toneMapped,
+             {frame.renderSize != frame.settings.size ? *smallSet_
+              : sampleCount                           ? *sumSet_
+                                                      : *hdrSet_});
+    pushConstants(
+        commands, toneMapped,
+        shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)), .size = frame.renderSize});
+    dispatchOver(commands, {frame.renderSize.x,
+                            (frame.renderSize.y + shared::kDisplayRows - 1) / shared::kDisplayRows});
+}
+
+void DisplayPass::record(Frame& frame, int sampleCount, EdgePass* edges)
 {
     const PassScope scope(frame, "display");
     const vk::CommandBuffer commands = frame.commands;
     const gpu::Image& source = sampleCount ? frame.targets.sum : frame.targets.hdr;
     const gpu::Image& display = frame.targets.display;
-    gpu::imageBarrier(commands, source.handle(), source.aspect(),
-                      sampleCount ? gpu::Use::computeReadWrite : gpu::Use::colorWrite,
-                      gpu::Use::computeSample);
     gpu::imageBarrier(commands, display.handle(), display.aspect(), gpu::Use::undefined,
                       gpu::Use::computeWrite);
     const bool small = frame.renderSize != frame.settings.size;
@@ -127,16 +143,10 @@ void DisplayPass::record(Frame& frame, int sampleCount)
         for (const gpu::Image* image : {&frame.targets.small, &frame.targets.wide})
             gpu::imageBarrier(commands, image->handle(), image->aspect(), gpu::Use::undefined,
                               gpu::Use::computeWrite);
-    const gpu::Pipeline& toneMapped = pipeline(frame.device, frame.scene, uint32_t(frame.settings.toneMap));
-    bindSets(frame, vk::PipelineBindPoint::eCompute, toneMapped,
-             {small         ? *smallSet_
-              : sampleCount ? *sumSet_
-                            : *hdrSet_});
-    pushConstants(
-        commands, toneMapped,
-        shared::DisplayPush{.weight = 1.0f / float(std::max(sampleCount, 1)), .size = frame.renderSize});
-    dispatchOver(commands, {frame.renderSize.x,
-                            (frame.renderSize.y + shared::kDisplayRows - 1) / shared::kDisplayRows});
+    if (edges)
+        edges->record(frame);
+    else
+        recordToneMapping(frame, sampleCount);
     if (small)
         recordUpscale(frame);
     gpu::imageBarrier(commands, source.handle(), source.aspect(), gpu::Use::computeSample,

@@ -1,7 +1,7 @@
 // Display: radiance to display colour, once, upscaled where the frame is smaller; and the sum of shifted
 // frames behind the reference.
 #pragma once
-#include "frame_context.h"
+#include "edge_pass.h"
 #include <map>
 
 namespace lumel {
@@ -12,13 +12,15 @@ public:
     void connect(const gpu::Device& device, const Targets& targets); // to targets of another size
     void prepare(const Frame& frame); // begins to make the pipeline of its tone mapper
     void clearSum(Frame& frame);
-    void resumeSum(Frame& frame);               // after record(): more is to be added
-    void accumulate(Frame& frame);              // adds hdr to the sum
-    void record(Frame& frame, int sampleCount); // 0: shows hdr's part of renderSize, else the sum's mean
+    void resumeSum(Frame& frame);  // after record(): more is to be added
+    void accumulate(Frame& frame); // adds hdr to the sum
+    // sampleCount 0: shows hdr's part of renderSize, by `edges` where it is filtered; else the sum's mean.
+    void record(Frame& frame, int sampleCount, EdgePass* edges);
 
 private:
     // To display by kToneMap...
     const gpu::Pipeline& pipeline(const gpu::Device& device, const SceneState& scene, uint32_t toneMap);
+    void recordToneMapping(Frame& frame, int sampleCount);
     void recordUpscale(Frame& frame);
 
     vk::raii::Sampler sampler_;

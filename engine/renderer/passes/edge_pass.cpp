@@ -22,14 +22,11 @@ bool filtersEdges(const Settings& settings)
 
 EdgePass::EdgePass(const gpu::Device& device, const SceneState& scene, const Targets& targets)
     : sampler_(gpu::makeSampler(device, {.filter = vk::Filter::eNearest})),
-      layout_(gpu::makeSetLayout(
-          device, {vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eStorageImage})),
+      layout_(
+          gpu::makeSetLayout(device, {vk::DescriptorType::eCombinedImageSampler,
+                                      vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
       set_(gpu::makeSet(device, layout_)),
-      find_(gpu::makeComputePipeline(device, "edges_find.comp", {*scene.frameSet().layout(), *layout_},
-                                     sizeof(shared::EdgePush))),
       blend_(gpu::makeComputePipeline(device, "edges_blend.comp", {*scene.frameSet().layout(), *layout_},
-                                      sizeof(shared::EdgePush))),
-      write_(gpu::makeComputePipeline(device, "edges_write.comp", {*scene.frameSet().layout(), *layout_},
                                       sizeof(shared::EdgePush))),
       list_(device, sizeof(shared::EdgeList), gpu::Buffer::MemoryUsage::device, "edge list")
 {
@@ -38,15 +35,43 @@ EdgePass::EdgePass(const gpu::Device& device, const SceneState& scene, const Tar
 
 void EdgePass::connect(const gpu::Device& device, const Targets& targets)
 {
-    gpu::writeSampled(device, *set_, 0, *sampler_, targets.hdr.view(), vk::ImageLayout::eGeneral);
-    gpu::writeStorage(device, *set_, 1, targets.hdr.view());
+    const auto write = [&](vk::DescriptorSet set, const gpu::Image& to) {
+        gpu::writeSampled(device, set, 0, *sampler_, targets.hdr.view(), vk::ImageLayout::eGeneral);
+        gpu::writeStorage(device, set, 1, targets.hdr.view());
+        gpu::writeStorage(device, set, 2, to.view());
+    };
+    write(*set_, targets.display);
+    if (targets.small) {
+        smallSet_ = gpu::makeSet(device, layout_);
+        write(*smallSet_, targets.small);
+    }
+}
+
+EdgePass::Pipelines& EdgePass::pipelines(const Frame& frame)
+{
+    const auto toneMap = uint32_t(frame.settings.toneMap);
+    Pipelines& pipelines = pipelines_[toneMap];
+    if (!pipelines.find.handle.begun()) {
+        const auto make = [&](const char* shader) {
+            return gpu::makeComputePipeline(frame.device, shader,
+                                            {*frame.scene.frameSet().layout(), *layout_},
+                                            sizeof(shared::EdgePush), toneMap);
+        };
+        pipelines = {make("edges_find.comp"), make("edges_write.comp")};
+    }
+    return pipelines;
+}
+
+void EdgePass::prepare(const Frame& frame)
+{
+    pipelines(frame);
 }
 
 void EdgePass::record(Frame& frame)
 {
-    const PassScope scope(frame, "display");
     const vk::CommandBuffer commands = frame.commands;
     const gpu::Image& hdr = frame.targets.hdr;
+    const Pipelines& pipelines = this->pipelines(frame);
     const uint32_t capacity = capacityFor(frame.settings.size);
     if (pixels_.size() < capacity * sizeof(shared::EdgePixel))
         pixels_ = gpu::Buffer(frame.device, capacity * sizeof(shared::EdgePixel),
@@ -56,24 +81,24 @@ void EdgePass::record(Frame& frame)
     gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::computeReadWrite);
     gpu::imageBarrier(commands, hdr.handle(), hdr.aspect(), gpu::Use::colorWrite, gpu::Use::general);
     const auto bind = [&](const gpu::Pipeline& pipeline) {
-        bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, {*set_});
+        bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline,
+                 {frame.renderSize != frame.settings.size ? *smallSet_ : *set_});
         pushConstants(commands, pipeline,
                       shared::EdgePush{.list = list_.address(),
                                        .pixels = pixels_.address(),
                                        .size = frame.renderSize,
                                        .capacity = capacity});
     };
-    bind(find_);
+    bind(pipelines.find);
     const glm::uvec2 blocks = (frame.renderSize + shared::kEdgeBlock - 1u) / shared::kEdgeBlock;
     commands.dispatch(groupsOf64(blocks.x), blocks.y, 1);
     gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::general);
     bind(blend_);
     commands.dispatchIndirect(list_.handle(), 0);
     gpu::memoryBarrier(commands, gpu::Use::general, gpu::Use::general);
-    bind(write_);
+    bind(pipelines.write);
     commands.dispatchIndirect(list_.handle(), 0);
-    // As the draw pass leaves it.
-    gpu::imageBarrier(commands, hdr.handle(), hdr.aspect(), gpu::Use::general, gpu::Use::colorWrite);
+    gpu::imageBarrier(commands, hdr.handle(), hdr.aspect(), gpu::Use::general, gpu::Use::computeSample);
 }
 
 } // namespace lumel
