@@ -30,7 +30,7 @@ void Chain::allocate(std::vector<Level>& levels, int first) const
     const int count = levelCount(source_.width(), source_.height());
     for (int number = 0; number < count; ++number) {
         const int width = levelSize(source_.width(), number), height = levelSize(source_.height(), number);
-        levels.push_back({width, height, {}});
+        levels.push_back({width, height, {}, {}});
         if (number >= first)
             levels.back().texels.resize(size_t(width) * size_t(height) * kChannels);
     }
@@ -50,6 +50,7 @@ void Chain::run(LevelSink& sink)
     allocate(levels_, first);
     if (isFitted(options_.method) && options_.model == Model::blinnPhong)
         allocate(anisotropic_, first);
+    sink.begin(false);
     if (reduce == 0)
         writeBase(sink);
     std::unique_ptr<CoarseCells> cells;
@@ -76,7 +77,8 @@ void Chain::write(LevelSink& sink, int from, int to)
 {
     for (int number = from; number < to; ++number) {
         const Level& level = levels_[size_t(number)];
-        sink.rows(number - options_.reduce, level.width, level.height, 0, level.height, level.texels.data());
+        sink.rows(number - options_.reduce, level.width, level.height, 0, level.height, level.texels.data(),
+                  level.second.empty() ? nullptr : level.second.data());
         for (auto* levels : {&levels_, &anisotropic_})
             if (number > 0 && !levels->empty())
                 (*levels)[size_t(number - 1)].texels = {};
@@ -108,7 +110,7 @@ void Chain::writeBase(LevelSink& sink) const
         });
         if (progress_)
             progress_->advance(0); // Ctrl-C
-        sink.rows(0, source_.width(), source_.height(), from, to - from, band.data());
+        sink.rows(0, source_.width(), source_.height(), from, to - from, band.data(), nullptr);
     }
 }
 
