@@ -1,5 +1,5 @@
-// The second lobe of texels that one lobe serves badly: two starts on the finer level's lobes, then a few
-// steps on the exact error (fit_pair.inl).
+// The second lobe of texels that one lobe serves badly: three starts on the finer level's lobes, a few steps
+// on the exact error from the two best of them, and more from the better one (fit_pair.inl).
 #include "shared/lobe.h"
 #include "solver.h"
 #include <numeric>
@@ -9,8 +9,8 @@ namespace {
 
 // Where a second lobe is worth its storage: it takes this share off E, and this much.
 constexpr float kLeastShare = 0.25f, kLeastGain = 0.005f;
-// Evaluations against the finer level's lobes, and against the average.
-constexpr int kRoughEvaluations = 14, kExactEvaluations = 10;
+// Evaluations against the finer level's lobes; against the average, of two starts and of the better one.
+constexpr int kRoughEvaluations = 14, kTrialEvaluations = 5, kExactEvaluations = 8;
 
 struct TwoShapes {
     Shape first, second;
@@ -139,6 +139,20 @@ void Solver::runPairs(const std::vector<PairStart>& starts, Family family, Again
         found[clampedIndices[i]] = evaluated[i];
 }
 
+// The finer level's lobe with the most energy.
+Shape Solver::strongestLobe(const Texel& texel)
+{
+    const auto energy = [&](int i) {
+        const TexelTask::Child& lobe = texel.task.finer(i);
+        return lobe.share * lobe.share * lobe.ks * lobe.ks * scalarPower(lobe.shape);
+    };
+    int best = 0;
+    for (int i = 1; i < int(texel.finerCount); ++i)
+        if (energy(i) > energy(best))
+            best = i;
+    return texel.task.finer(best).shape;
+}
+
 // The finer level's lobe that a fit lacks most: whose overlap with G - F is largest, relative to its own norm.
 Shape Solver::missingLobe(const Texel& texel, const Shape& fit)
 {
@@ -175,6 +189,23 @@ Solver::FoundPair Solver::swapped(FoundPair p)
     return p;
 }
 
+// Of each run of `from` searches, the best `to`, as starts of further ones.
+std::vector<Solver::PairStart> Solver::bestOf(const std::vector<PairStart>& starts,
+                                              const std::vector<FoundPair>& found, size_t from, size_t to)
+{
+    std::vector<PairStart> best;
+    std::vector<size_t> order(from);
+    for (size_t first = 0; first < starts.size(); first += from) {
+        std::iota(order.begin(), order.end(), first);
+        std::ranges::stable_sort(order, {}, [&](size_t i) { return found[i].error; });
+        for (size_t i = 0; i < to; ++i) {
+            const FoundPair& f = found[order[i]];
+            best.push_back({starts[first].texel, {f.shape[0], f.shape[1]}});
+        }
+    }
+    return best;
+}
+
 // Both lobes of the texels that need them, the stronger one first.
 void Solver::fitPairs(const Selection& selection, Family family)
 {
@@ -187,19 +218,19 @@ void Solver::fitPairs(const Selection& selection, Family family)
             continue;
         const Shape& single = texel.best[family].shape;
         const TwoShapes apart = split(texel.lean);
+        const Shape strongest = strongestLobe(texel);
         starts.push_back({t, {apart.first, apart.second}});
         starts.push_back({t, {single, missingLobe(texel, single)}});
+        starts.push_back({t, {strongest, missingLobe(texel, strongest)}});
     }
     std::vector<FoundPair> found;
     runPairs(starts, family, Against::children, kRoughEvaluations, found);
-    std::vector<PairStart> best;
-    for (size_t i = 0; i < starts.size(); i += 2) {
-        const FoundPair& f = found[found[i].error <= found[i + 1].error ? i : i + 1];
-        best.push_back({starts[i].texel, {f.shape[0], f.shape[1]}});
-    }
-    runPairs(best, family, Against::average, kExactEvaluations, found);
-    for (size_t i = 0; i < best.size(); ++i) {
-        Texel& texel = texels_[best[i].texel];
+    starts = bestOf(starts, found, 3, 2);
+    runPairs(starts, family, Against::average, kTrialEvaluations, found);
+    starts = bestOf(starts, found, 2, 1);
+    runPairs(starts, family, Against::average, kExactEvaluations, found);
+    for (size_t i = 0; i < starts.size(); ++i) {
+        Texel& texel = texels_[starts[i].texel];
         const float single = texel.best[family].error, both = found[i].error;
         const bool isWorth = automatic ? both <= (1.0f - kLeastShare) * single && both <= single - kLeastGain
                                        : both < single;

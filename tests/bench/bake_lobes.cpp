@@ -45,11 +45,12 @@ std::vector<Named> generatedMaps()
     });
     all[0].maps.heightScale = 0.004f;
     all[1].name = "V-grooves";
-    constexpr int kPeriod = 8;
-    all[1].maps.height = generated(kSize, [](int x, int) {
-        return std::abs((x % kPeriod) - kPeriod / 2) / double(kPeriod / 2);
-    });
-    all[1].maps.heightScale = 0.25f * float(kPeriod / 2) / float(kSize);
+    all[1].maps.normal = Image(kSize, kSize, 3);
+    for (int i = 0; i < kSize * kSize; ++i) {
+        const glm::vec3 n = glm::normalize(glm::vec3(i % 8 < 4 ? 0.25f : -0.25f, 0.0f, 1.0f));
+        for (int c = 0; c < 3; ++c)
+            all[1].maps.normal.pixels[size_t(i) * 3 + size_t(c)] = 0.5f * n[c] + 0.5f;
+    }
     all[2].name = "bow tie";
     all[2].maps.normal = Image(1, 1, 3);
     all[2].maps.normal.pixels = {0.5f, 0.5f, 1.0f};
