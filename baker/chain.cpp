@@ -18,7 +18,8 @@ constexpr int kBlock = 32; // level-0 texels that are worked on at once, on each
 // Of a texel, or of its second lobe: both begin alike.
 TexelTask::Child childOf(const float* t, float share)
 {
-    return {{t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]}, float(luminance({t[kKsR], t[kKsG], t[kKsB]})), share};
+    return {
+        {t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]}, float(luminance({t[kKsR], t[kKsG], t[kKsB]})), share};
 }
 
 bool hasSecondLobe(const Level& level)
@@ -122,7 +123,7 @@ void Chain::finishPairs(LevelSink& sink)
     oneLobe_.clear();
     const bool any = std::ranges::any_of(levels_, hasSecondLobe);
     if (any)
-        orderLobes(levels_);
+        orderLobes(levels_, maps_.wrap);
     else
         for (Level& level : levels_)
             level.second = {};

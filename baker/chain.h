@@ -39,7 +39,7 @@ private:
     bool usesLists_; // fits to lists of lobes, not to sums at quadrature nodes
     std::unique_ptr<HeightMips> heights_;
     std::vector<Level> levels_;
-    std::vector<Level> oneLobe_; // fits of one anisotropic lobe, beside a chain of others
+    std::vector<Level> oneLobe_;            // fits of one anisotropic lobe, beside a chain of others
     std::vector<std::atomic<size_t>> done_; // texels of each level, for progress
 
     friend class FineTile;

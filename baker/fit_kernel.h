@@ -48,7 +48,8 @@ struct FitJob {
     float norm = 1.0f;         // <f, f> there
 };
 
-// A search for two lobes at once, F = F1 + F2: both shapes from their starts, both Ks by projection, none below 0.
+// A search for two lobes at once, F = F1 + F2: both shapes from their starts, both Ks by projection, none
+// below 0.
 struct PairJob {
     NodeList nodes;                       // weight = area * G
     const float* area = nullptr;          // of the nodes
@@ -106,8 +107,8 @@ struct Kernels {
     void (*judge)(Trial* trials, int count);
     // <G, f> and <f, f> of one job at its unknowns, and the gradient of its error in the first five.
     void (*evaluate)(const FitJob& job, float* overlap, float* norm, float* gradient, float* scratch);
-    // The error of two lobes at their unknowns against the nodes or the mixture, and its gradient in the first
-    // five of each.
+    // The error of two lobes at their unknowns against the nodes or the mixture, and its gradient in the
+    // first five of each.
     float (*evaluatePair)(const PairJob& job, bool exact, float* gradient, float* scratch);
 };
 

@@ -39,12 +39,6 @@ TwoShapes split(const Shape& lobe)
     return {onDisc(lobe.nx + dx, lobe.ny + dy, rest), onDisc(lobe.nx - dx, lobe.ny - dy, rest)};
 }
 
-MixtureTerm unitTerm(const Shape& s)
-{
-    const float nz = std::sqrt(std::max(1e-4f, 1.0f - s.nx * s.nx - s.ny * s.ny));
-    return termOf({s, nz, 1.0f, {1.0f, 1.0f, 1.0f}}, 1.0f, false);
-}
-
 // K >= 0 of least squares for overlaps g with lobes of this Gram matrix.
 struct TwoKs {
     double first, second, explained;
@@ -69,7 +63,8 @@ glm::dvec3 pairNormal(const float* t, const float* s)
 {
     const double k1 = luminance({t[kKsR], t[kKsG], t[kKsB]}), k2 = luminance({s[kKs2R], s[kKs2G], s[kKs2B]});
     const double share = k2 / std::max(k1 + k2, 1e-30);
-    const double x = t[kNx] + share * (double(s[kN2x]) - t[kNx]), y = t[kNy] + share * (double(s[kN2y]) - t[kNy]);
+    const double x = t[kNx] + share * (double(s[kN2x]) - t[kNx]),
+                 y = t[kNy] + share * (double(s[kN2y]) - t[kNy]);
     return {x, y, std::sqrt(std::max(0.0, 1.0 - x * x - y * y))};
 }
 
@@ -111,7 +106,8 @@ void Solver::runPairs(const std::vector<PairStart>& starts, Family family, Again
         scratch_.resize(7 * most * kMaxLanes);
     // Similar sizes together, as in run().
     std::ranges::stable_sort(onNodes, std::greater(), [](const PairJob* job) { return job->nodes.count; });
-    std::ranges::stable_sort(onMixtures, std::greater(), [](const PairJob* job) { return job->mixtureCount; });
+    std::ranges::stable_sort(onMixtures, std::greater(),
+                             [](const PairJob* job) { return job->mixtureCount; });
     SearchSettings settings;
     settings.isotropic = family == kIsotropic;
     settings.maxEvaluations = evaluations;
@@ -122,7 +118,8 @@ void Solver::runPairs(const std::vector<PairStart>& starts, Family family, Again
     std::vector<size_t> clampedIndices;
     for (size_t i = 0; i < starts.size(); ++i) {
         const PairJob& job = jobs[i];
-        FoundPair& f = found[i] = {{}, {job.ks[0], job.ks[1]}, {job.norm[0], job.norm[1]}, job.cross, job.error};
+        FoundPair& f =
+            found[i] = {{}, {job.ks[0], job.ks[1]}, {job.norm[0], job.norm[1]}, job.cross, job.error};
         bool clamped[2] = {};
         for (int j = 0; j < 2; ++j)
             f.shape[j] = fromUnknowns(job.unknowns[j], job.maxLog, clamped[j]);
@@ -153,7 +150,8 @@ Shape Solver::strongestLobe(const Texel& texel)
     return texel.task.finer(best).shape;
 }
 
-// The finer level's lobe that a fit lacks most: whose overlap with G - F is largest, relative to its own norm.
+// The finer level's lobe that a fit lacks most: whose overlap with G - F is largest, relative to its own
+// norm.
 Shape Solver::missingLobe(const Texel& texel, const Shape& fit)
 {
     const MixtureTerm* terms = &terms_[texel.firstFiner];
@@ -232,8 +230,8 @@ void Solver::fitPairs(const Selection& selection, Family family)
     for (size_t i = 0; i < starts.size(); ++i) {
         Texel& texel = texels_[starts[i].texel];
         const float single = texel.best[family].error, both = found[i].error;
-        const bool isWorth = automatic ? both <= (1.0f - kLeastShare) * single && both <= single - kLeastGain
-                                       : both < single;
+        const bool isWorth =
+            automatic ? both <= (1.0f - kLeastShare) * single && both <= single - kLeastGain : both < single;
         if (isWorth && found[i].ks[0] > 0.0f && found[i].ks[1] > 0.0f)
             texel.pair = found[i].ks[0] >= found[i].ks[1] ? found[i] : swapped(found[i]);
     }

@@ -121,8 +121,8 @@ private:
     void runPairs(const std::vector<PairStart>& starts, Family family, Against against, int evaluations,
                   std::vector<FoundPair>& found);
     static FoundPair swapped(FoundPair pair);
-    static std::vector<PairStart> bestOf(const std::vector<PairStart>& starts, const std::vector<FoundPair>& found,
-                                         size_t from, size_t to);
+    static std::vector<PairStart> bestOf(const std::vector<PairStart>& starts,
+                                         const std::vector<FoundPair>& found, size_t from, size_t to);
     static Shape strongestLobe(const Texel& texel);
     Shape missingLobe(const Texel& texel, const Shape& fit);
     void fitPairs(const Selection& selection, Family family);

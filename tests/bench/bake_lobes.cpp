@@ -1,6 +1,6 @@
-// What a second lobe gains: mean E on levels 1, 2, 3 and 5 of normal maps and of generated ones, summed, for one
-// lobe and two, relative to LEAN's (mean Ks, as it is baked); the share of texels above level 0 with a second
-// lobe; and seconds.
+// What a second lobe gains: mean E on levels 1, 2, 3 and 5 of normal maps and of generated ones, summed, for
+// one lobe and two, relative to LEAN's (mean Ks, as it is baked); the share of texels above level 0 with a
+// second lobe; and seconds.
 //   build/bake_lobes [normal.png...]
 #include "baker/bake.h"
 #include "core/decoder_process.h"
@@ -55,8 +55,8 @@ std::vector<Named> generatedMaps()
     all[2].maps.normal = Image(1, 1, 3);
     all[2].maps.normal.pixels = {0.5f, 0.5f, 1.0f};
     all[2].maps.anisotropicPower = {40.0f, 4000.0f};
-    all[2].maps.tangentRotation =
-        generated(kSize, [](int x, int y) { return 0.25 + 0.2 * std::sin(kTurn * 61 * x) * std::cos(kTurn * 47 * y); });
+    all[2].maps.tangentRotation = generated(
+        kSize, [](int x, int y) { return 0.25 + 0.2 * std::sin(kTurn * 61 * x) * std::cos(kTurn * 47 * y); });
     return all;
 }
 
@@ -100,9 +100,10 @@ void measure(Named& map, float power)
     const Result one = bake(map.maps, Method::fit, LobeCount::one);
     const Result some = bake(map.maps, Method::fit, LobeCount::automatic);
     const Result two = bake(map.maps, Method::fit, LobeCount::two);
-    fmt::print("{:24} {:5} {:7.4f} {:6.3f} {:6.3f} {:6.3f} {:4.0f} % {:4.0f} % {:6.2f} {:6.2f} {:6.2f}\n", map.name,
-               power, lean.error, one.error / lean.error, some.error / lean.error, two.error / lean.error,
-               100.0 * some.share, 100.0 * two.share, one.seconds, some.seconds, two.seconds);
+    fmt::print("{:24} {:5} {:7.4f} {:6.3f} {:6.3f} {:6.3f} {:4.0f} % {:4.0f} % {:6.2f} {:6.2f} {:6.2f}\n",
+               map.name, power, lean.error, one.error / lean.error, some.error / lean.error,
+               two.error / lean.error, 100.0 * some.share, 100.0 * two.share, one.seconds, some.seconds,
+               two.seconds);
     std::fflush(stdout);
 }
 
@@ -118,8 +119,8 @@ void run(int argc, char** argv)
     }
     for (Named& map : generatedMaps())
         maps.push_back(std::move(map));
-    fmt::print("{:24} {:>5} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6}\n", "map", "power", "LEAN", "one",
-               "auto", "two", "share", "share", "s one", "s auto", "s two");
+    fmt::print("{:24} {:>5} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6}\n", "map", "power", "LEAN",
+               "one", "auto", "two", "share", "share", "s one", "s auto", "s two");
     for (const float power : {200.0f, 1000.0f})
         for (Named& map : maps)
             if (map.maps.anisotropicPower.x <= 0.0f || power == 200.0f) // that one has powers of its own
