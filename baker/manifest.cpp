@@ -155,7 +155,7 @@ public:
         for (const fs::path& file : reports)
             checkWritable(file);
         checkWritable(output);
-        const size_t units = progressUnits(maps) + (reports.empty() ? 0 : measureUnits(maps));
+        const size_t units = progressUnits(maps) + (reports.empty() ? 0 : measureUnits(maps, options));
         Progress progress(whole, share, units);
         const auto start = std::chrono::steady_clock::now();
         if (reports.empty()) {
