@@ -31,31 +31,39 @@ Image generated(int size, const Value& value)
     return image;
 }
 
-// Slopes of up to about 0.25 for the bumps, of 0.25 for the grooves.
+// Sums of sines, periods of `texels` and up; slopes of up to about 0.25.
+baker::Maps bumps(int size, double texels)
+{
+    const double turn = 6.283185307179586 / texels / 7.0;
+    baker::Maps maps;
+    maps.height = generated(size, [&](int x, int y) {
+        const double u = turn * x, v = turn * y;
+        return 0.5 + 0.2 * std::sin(3 * u + std::cos(2 * v)) + 0.15 * std::sin(5 * v - 2 * u) +
+               0.1 * std::cos(7 * u + 4 * v);
+    });
+    maps.heightScale = float(0.25 * 7.0 * texels / 6.283185307179586 / size);
+    return maps;
+}
+
 std::vector<Named> generatedMaps()
 {
     constexpr int kSize = 512;
     constexpr double kTurn = 6.283185307179586 / kSize;
-    std::vector<Named> all(3);
-    all[0].name = "bumps";
-    all[0].maps.height = generated(kSize, [](int x, int y) {
-        const double u = kTurn * x, v = kTurn * y;
-        return 0.5 + 0.2 * std::sin(37 * u + std::cos(22 * v)) + 0.15 * std::sin(59 * v - 23 * u) +
-               0.1 * std::cos(71 * u + 43 * v);
-    });
-    all[0].maps.heightScale = 0.004f;
-    all[1].name = "V-grooves";
-    all[1].maps.normal = Image(kSize, kSize, 3);
+    std::vector<Named> all;
+    all.push_back({"bumps", bumps(kSize, 32.0)});
+    all.push_back({"fine bumps", bumps(kSize, 8.0)});
+    all.emplace_back().name = "V-grooves";
+    all[2].maps.normal = Image(kSize, kSize, 3);
     for (int i = 0; i < kSize * kSize; ++i) {
         const glm::vec3 n = glm::normalize(glm::vec3(i % 8 < 4 ? 0.25f : -0.25f, 0.0f, 1.0f));
         for (int c = 0; c < 3; ++c)
-            all[1].maps.normal.pixels[size_t(i) * 3 + size_t(c)] = 0.5f * n[c] + 0.5f;
+            all[2].maps.normal.pixels[size_t(i) * 3 + size_t(c)] = 0.5f * n[c] + 0.5f;
     }
-    all[2].name = "bow tie";
-    all[2].maps.normal = Image(1, 1, 3);
-    all[2].maps.normal.pixels = {0.5f, 0.5f, 1.0f};
-    all[2].maps.anisotropicPower = {40.0f, 4000.0f};
-    all[2].maps.tangentRotation = generated(
+    all.emplace_back().name = "bow tie";
+    all[3].maps.normal = Image(1, 1, 3);
+    all[3].maps.normal.pixels = {0.5f, 0.5f, 1.0f};
+    all[3].maps.anisotropicPower = {40.0f, 4000.0f};
+    all[3].maps.tangentRotation = generated(
         kSize, [](int x, int y) { return 0.25 + 0.2 * std::sin(kTurn * 61 * x) * std::cos(kTurn * 47 * y); });
     return all;
 }
