@@ -39,6 +39,63 @@ TwoShapes split(const Shape& lobe)
     return {onDisc(lobe.nx + dx, lobe.ny + dy, rest), onDisc(lobe.nx - dx, lobe.ny - dy, rest)};
 }
 
+// The finer level's lobes under a texel, to start from.
+class FinerLobes {
+public:
+    FinerLobes(const Kernels& kernels, const TexelTask& task, const MixtureTerm* terms, size_t count)
+        : kernels_(kernels), task_(task), terms_(terms), withAll_(count), norm_(count), units_(count),
+          scratch_(count)
+    {
+        for (size_t i = 0; i < count; ++i) {
+            units_[i] = unitTerm(task.finer(int(i)).shape);
+            withAll_[i] = overlapWithAll(units_[i]);
+            norm_[i] = normOf(units_[i]);
+        }
+    }
+
+    // The one that is the best estimate of all.
+    const Shape& strongest() const
+    {
+        return largest([&](size_t i) { return withAll_[i] / std::sqrt(norm_[i]); });
+    }
+    // The one that a fit lacks most: whose overlap with what the fit leaves is largest, relative to its own
+    // norm.
+    const Shape& missing(const Shape& fit)
+    {
+        const MixtureTerm lobe = unitTerm(fit);
+        const float ks = overlapWithAll(lobe) / normOf(lobe);
+        kernels_.mixtureOverlaps(units_.data(), int(units_.size()), lobe, scratch_.data());
+        return largest([&](size_t i) { return (withAll_[i] - ks * scratch_[i]) / std::sqrt(norm_[i]); });
+    }
+
+private:
+    float overlapWithAll(const MixtureTerm& lobe)
+    {
+        kernels_.mixtureOverlaps(terms_, int(scratch_.size()), lobe, scratch_.data());
+        return std::accumulate(scratch_.begin(), scratch_.end(), 0.0f);
+    }
+    static float normOf(const MixtureTerm& m) // the closed form of <f, f>
+    {
+        return 3.14159265f * m.amplitude * m.amplitude * m.nz / std::sqrt(m.sxx * m.syy - m.sxy * m.sxy);
+    }
+    template<class Score>
+    const Shape& largest(const Score& score) const
+    {
+        size_t best = 0;
+        for (size_t i = 1; i < units_.size(); ++i)
+            if (score(i) > score(best))
+                best = i;
+        return task_.finer(int(best)).shape;
+    }
+
+    const Kernels& kernels_;
+    const TexelTask& task_;
+    const MixtureTerm* terms_;
+    std::vector<float> withAll_, norm_;
+    std::vector<MixtureTerm> units_;
+    std::vector<float> scratch_;
+};
+
 // K >= 0 of least squares for overlaps g with lobes of this Gram matrix.
 struct TwoKs {
     double first, second, explained;
@@ -136,49 +193,6 @@ void Solver::runPairs(const std::vector<PairStart>& starts, Family family, Again
         found[clampedIndices[i]] = evaluated[i];
 }
 
-// The finer level's lobe with the most energy.
-Shape Solver::strongestLobe(const Texel& texel)
-{
-    const auto energy = [&](int i) {
-        const TexelTask::Child& lobe = texel.task.finer(i);
-        return lobe.share * lobe.share * lobe.ks * lobe.ks * scalarPower(lobe.shape);
-    };
-    int best = 0;
-    for (int i = 1; i < int(texel.finerCount); ++i)
-        if (energy(i) > energy(best))
-            best = i;
-    return texel.task.finer(best).shape;
-}
-
-// The finer level's lobe that a fit lacks most: whose overlap with G - F is largest, relative to its own
-// norm.
-Shape Solver::missingLobe(const Texel& texel, const Shape& fit)
-{
-    const MixtureTerm* terms = &terms_[texel.firstFiner];
-    const int count = int(texel.finerCount);
-    const MixtureTerm lobe = unitTerm(fit);
-    std::vector<float> overlaps(size_t(count), 0.0f);
-    const auto withAll = [&](const MixtureTerm& other) {
-        kernels_.mixtureOverlaps(terms, count, other, overlaps.data());
-        return std::accumulate(overlaps.begin(), overlaps.end(), 0.0f);
-    };
-    const float ks = withAll(lobe) / kernels_.mixtureEnergy(&lobe, 1);
-    float largest = -kNoError;
-    int best = 0;
-    for (int i = 0; i < count; ++i) {
-        const MixtureTerm candidate = unitTerm(texel.task.finer(i).shape);
-        float between = 0.0f;
-        kernels_.mixtureOverlaps(&lobe, 1, candidate, &between);
-        const float missing =
-            (withAll(candidate) - ks * between) / std::sqrt(kernels_.mixtureEnergy(&candidate, 1));
-        if (missing > largest) {
-            largest = missing;
-            best = i;
-        }
-    }
-    return texel.task.finer(best).shape;
-}
-
 Solver::FoundPair Solver::swapped(FoundPair p)
 {
     std::swap(p.shape[0], p.shape[1]);
@@ -216,10 +230,11 @@ void Solver::fitPairs(const Selection& selection, Family family)
             continue;
         const Shape& single = texel.best[family].shape;
         const TwoShapes apart = split(texel.lean);
-        const Shape strongest = strongestLobe(texel);
+        FinerLobes finer(kernels_, texel.task, &terms_[texel.firstFiner], texel.finerCount);
+        const Shape strongest = finer.strongest();
         starts.push_back({t, {apart.first, apart.second}});
-        starts.push_back({t, {single, missingLobe(texel, single)}});
-        starts.push_back({t, {strongest, missingLobe(texel, strongest)}});
+        starts.push_back({t, {single, finer.missing(single)}});
+        starts.push_back({t, {strongest, finer.missing(strongest)}});
     }
     std::vector<FoundPair> found;
     runPairs(starts, family, Against::children, kRoughEvaluations, found);

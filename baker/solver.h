@@ -123,8 +123,6 @@ private:
     static FoundPair swapped(FoundPair pair);
     static std::vector<PairStart> bestOf(const std::vector<PairStart>& starts,
                                          const std::vector<FoundPair>& found, size_t from, size_t to);
-    static Shape strongestLobe(const Texel& texel);
-    Shape missingLobe(const Texel& texel, const Shape& fit);
     void fitPairs(const Selection& selection, Family family);
     std::array<double, 3> channelOverlaps(const Texel& texel, const Shape& shape);
     void writePair(const Texel& texel);
