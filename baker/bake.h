@@ -32,7 +32,8 @@ enum class LobeCount { one, two, automatic };
 
 // One texel of a baked level; the order of the file's channels.
 enum Channel { kNx, kNy, kSxx, kSxy, kSyy, kKsR, kKsG, kKsB, kKdR, kKdG, kKdB, kError, kChannels };
-// Its second lobe, F = F1 + F2.
+// Its second lobe, F = F1 + F2. Kd then is along the lobes' mean normal: x and y of both, weighted by the
+// luminance of Ks and Ks2.
 enum SecondChannel { kN2x, kN2y, kS2xx, kS2xy, kS2yy, kKs2R, kKs2G, kKs2B, kSecondChannels };
 inline constexpr float kNoSecondLobe[kSecondChannels] = {0, 0, 1, 0, 1, 0, 0, 0}; // reflects nothing
 
