@@ -1,5 +1,5 @@
 // The second lobe of texels that one lobe serves badly: three starts on the finer level's lobes, a few steps
-// on the exact error from the two best of them, and more from the better one (fit_pair.inl).
+// on the exact error from where each ends, and more from the best (fit_pair.inl).
 #include "shared/lobe.h"
 #include "solver.h"
 #include <numeric>
@@ -9,8 +9,9 @@ namespace {
 
 // Where a second lobe is worth its storage: it takes this share off E, and this much.
 constexpr float kLeastShare = 0.25f, kLeastGain = 0.005f;
-// Evaluations against the finer level's lobes; against the average, of two starts and of the better one.
-constexpr int kRoughEvaluations = 14, kTrialEvaluations = 5, kExactEvaluations = 8;
+// Evaluations against the finer level's lobes; against the average, from each start and from the best one.
+constexpr size_t kStarts = 3;
+constexpr int kRoughEvaluations = 14, kTrialEvaluations = 4, kExactEvaluations = 8;
 
 struct TwoShapes {
     Shape first, second;
@@ -53,10 +54,13 @@ public:
         }
     }
 
-    // The one that is the best estimate of all.
+    // The one with the most energy.
     const Shape& strongest() const
     {
-        return largest([&](size_t i) { return withAll_[i] / std::sqrt(norm_[i]); });
+        return largest([&](size_t i) {
+            const TexelTask::Child& lobe = task_.finer(int(i));
+            return lobe.share * lobe.ks * std::sqrt(norm_[i]);
+        });
     }
     // The one that a fit lacks most: whose overlap with what the fit leaves is largest, relative to its own
     // norm.
@@ -201,19 +205,16 @@ Solver::FoundPair Solver::swapped(FoundPair p)
     return p;
 }
 
-// Of each run of `from` searches, the best `to`, as starts of further ones.
+// The best of each texel's searches, as a start of another.
 std::vector<Solver::PairStart> Solver::bestOf(const std::vector<PairStart>& starts,
-                                              const std::vector<FoundPair>& found, size_t from, size_t to)
+                                              const std::vector<FoundPair>& found)
 {
     std::vector<PairStart> best;
-    std::vector<size_t> order(from);
-    for (size_t first = 0; first < starts.size(); first += from) {
-        std::iota(order.begin(), order.end(), first);
-        std::ranges::stable_sort(order, {}, [&](size_t i) { return found[i].error; });
-        for (size_t i = 0; i < to; ++i) {
-            const FoundPair& f = found[order[i]];
-            best.push_back({starts[first].texel, {f.shape[0], f.shape[1]}});
-        }
+    for (size_t i = 0; i < starts.size(); i += kStarts) {
+        const auto first = found.begin() + ptrdiff_t(i);
+        const FoundPair& f =
+            *std::ranges::min_element(first, first + ptrdiff_t(kStarts), {}, &FoundPair::error);
+        best.push_back({starts[i].texel, {f.shape[0], f.shape[1]}});
     }
     return best;
 }
@@ -238,9 +239,10 @@ void Solver::fitPairs(const Selection& selection, Family family)
     }
     std::vector<FoundPair> found;
     runPairs(starts, family, Against::children, kRoughEvaluations, found);
-    starts = bestOf(starts, found, 3, 2);
+    for (size_t i = 0; i < starts.size(); ++i)
+        std::ranges::copy(found[i].shape, starts[i].shape);
     runPairs(starts, family, Against::average, kTrialEvaluations, found);
-    starts = bestOf(starts, found, 2, 1);
+    starts = bestOf(starts, found);
     runPairs(starts, family, Against::average, kExactEvaluations, found);
     for (size_t i = 0; i < starts.size(); ++i) {
         Texel& texel = texels_[starts[i].texel];

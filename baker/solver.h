@@ -122,7 +122,7 @@ private:
                   std::vector<FoundPair>& found);
     static FoundPair swapped(FoundPair pair);
     static std::vector<PairStart> bestOf(const std::vector<PairStart>& starts,
-                                         const std::vector<FoundPair>& found, size_t from, size_t to);
+                                         const std::vector<FoundPair>& found);
     void fitPairs(const Selection& selection, Family family);
     std::array<double, 3> channelOverlaps(const Texel& texel, const Shape& shape);
     void writePair(const Texel& texel);
