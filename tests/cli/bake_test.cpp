@@ -65,6 +65,7 @@ TEST_F(Bake, UsageErrorsExitWithTwo)
     expectOneLine(run({"bake", "--height", "h.png", "--frobnicate", "-o", "out.exr"}), 2, "--frobnicate");
     expectOneLine(run({"bake", "-o", "out.exr"}), 2, "--height");
     expectOneLine(run({"bake", "--height", "h.png", "--method", "magic", "-o", "out.exr"}), 2, "--method");
+    expectOneLine(run({"bake", "--height", "h.png", "--lobes", "3", "-o", "out.exr"}), 2, "--lobes");
     expectOneLine(run({"bake", "--height", "h.png", "--height-scale", "steep", "-o", "out.exr"}), 2,
                   "--height-scale");
     EXPECT_EQ(files(), std::set<std::string>({"h.png"}));
@@ -105,16 +106,18 @@ TEST_F(Bake, WritesEveryLevelAsTheFormatSays)
 TEST_F(Bake, SameInputsGiveTheSameBytes)
 {
     writeHeightMap(folder_ / "h.png", 50, 34);
-    const auto bake = [&](const char* threads, const char* out) {
-        const Outcome outcome =
-            run({"bake", "--height", "h.png", "--height-scale", "0.02", "--threads", threads, "-o", out});
-        EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
-        return readText(folder_ / out);
-    };
-    const std::string first = bake("1", "a.exr");
-    EXPECT_FALSE(first.empty());
-    EXPECT_TRUE(first == bake("1", "b.exr"));
-    EXPECT_TRUE(first == bake("2", "c.exr")) << "the result depends on the number of threads";
+    for (const char* lobes : {"1", "auto"}) {
+        const auto bake = [&](const char* threads, const char* out) {
+            const Outcome outcome = run({"bake", "--height", "h.png", "--height-scale", "0.2", "--lobes",
+                                         lobes, "--threads", threads, "-o", out});
+            EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+            return readText(folder_ / out);
+        };
+        const std::string first = bake("1", "a.exr");
+        EXPECT_EQ(first.find("Ks2.R") != std::string::npos, lobes == std::string("auto"));
+        EXPECT_TRUE(first == bake("1", "b.exr"));
+        EXPECT_TRUE(first == bake("2", "c.exr")) << "the result depends on the number of threads";
+    }
 }
 
 TEST_F(Bake, InterruptLeavesNoOutput)

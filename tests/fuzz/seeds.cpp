@@ -158,6 +158,8 @@ void writeExrSeeds(const std::filesystem::path& folder)
         for (bool asFloat : {false, true})
             baker::bakeExr(folder / ("baked" + std::to_string(size) + (asFloat ? "f" : "h") + ".exr"), maps,
                            {}, asFloat, nullptr);
+        baker::bakeExr(folder / ("pairs" + std::to_string(size) + ".exr"), maps,
+                       {.lobes = baker::LobeCount::two}, false, nullptr);
     }
 }
 

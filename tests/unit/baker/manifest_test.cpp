@@ -16,7 +16,8 @@ TEST(Manifest, BakesSkipsAndGoesOnAfterFailures)
     writeImage(folder / "h.png", bumps(16, 16));
     writeImage(folder / "n.png", noiseNormals(8, 8, 0.2f, 1));
     writeFileAtomically(folder / "list.json", R"([
-        {"output": "a.exr", "height": "h.png", "height_scale": 0.1, "power": 50, "specular": [1, 0.5, 0.2]},
+        {"output": "a.exr", "height": "h.png", "height_scale": 0.1, "power": 50, "specular": [1, 0.5, 0.2],
+         "lobes": 2},
         {"output": "missing.exr", "normal": "none.png"},
         {"output": "typo.exr", "normal": "n.png", "powr": 3},
         {"output": "b.exr", "normal": "n.png", "normal_green": "down", "roughness": "h.png", "model": "blinn-phong",
@@ -30,6 +31,8 @@ TEST(Manifest, BakesSkipsAndGoesOnAfterFailures)
     EXPECT_EQ(readExr(folder / "b.exr").levels[0].width, 8);
     EXPECT_EQ(readExr(folder / "b.exr").model, "blinn-phong");
     EXPECT_FALSE(fs::exists(folder / "missing.exr"));
+    EXPECT_FALSE(readExr(folder / "a.exr").levels[1].second.empty());
+    EXPECT_TRUE(readExr(folder / "b.exr").levels[1].second.empty());
 
     EXPECT_EQ(bakeManifest(folder / "list.json", {}).upToDate, 2u);
     writeImage(folder / "h.png", bumps(8, 8)); // the height of one, the roughness of the other
