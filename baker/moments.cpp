@@ -123,4 +123,13 @@ float scalarPower(const Shape& shape)
     return 1.0f / std::sqrt(std::max(shape.sxx * shape.syy - shape.sxy * shape.sxy, 1e-8f));
 }
 
+glm::vec3 diffuseAlong(const Shape& shape, const Moments& mean)
+{
+    const double nx = shape.nx, ny = shape.ny, nz = std::sqrt(std::max(0.0, 1.0 - nx * nx - ny * ny));
+    glm::vec3 kd;
+    for (int c = 0; c < 3; ++c)
+        kd[c] = float(std::max(0.0, glm::dot(mean.kdNormal[c], glm::dvec3(nx, ny, nz))));
+    return kd;
+}
+
 } // namespace lumel::baker

@@ -73,5 +73,7 @@ Shape leanShape(const Moments& mean);
 Shape isotropicShape(const Shape& shape); // same normal and sqrt(det S)
 Sym2 clampPowers(const Sym2& covariance); // eigenvalues of S^-1 into [kMinPower, kMaxPower]
 float scalarPower(const Shape& shape);    // sqrt(det P)
+glm::vec3 diffuseAlong(const Shape& shape,
+                       const Moments& mean); // the vector average of Kd N, along the shape's N
 
 } // namespace lumel::baker

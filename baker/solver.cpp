@@ -285,12 +285,8 @@ void Solver::write(const Texel& texel, const Found& found, float* t, bool ownKs)
     t[kSxy] = shape.sxy;
     t[kSyy] = shape.syy;
     writeSpecular(texel, found, t, ownKs);
-    // The vector average of Kd N, along the stored N.
-    const double nz =
-        std::sqrt(std::max(0.0, 1.0 - double(shape.nx) * shape.nx - double(shape.ny) * shape.ny));
-    for (int c = 0; c < 3; ++c)
-        t[kKdR + c] =
-            float(std::max(0.0, glm::dot(texel.task.mean.kdNormal[c], glm::dvec3(shape.nx, shape.ny, nz))));
+    const glm::vec3 kd = diffuseAlong(shape, texel.task.mean);
+    std::copy_n(&kd.x, 3, t + kKdR);
 }
 
 // Ks by projection, <G, f> / <f, f>, or the mean (`ownKs`); E with that Ks.

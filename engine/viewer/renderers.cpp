@@ -45,15 +45,65 @@ std::shared_ptr<const std::vector<scene::BakedMaterial>> ViewRenderers::material
 
 void ViewRenderers::addMaterials(scene::LoadedScene loaded)
 {
+    const baker::Method method = loaded.options.method;
+    const auto known = materials_.find(method);
+    if (known != materials_.end()) {
+        std::vector<scene::FinishedBake> bakes;
+        for (const size_t material : known->second.placeholders)
+            if (!loaded.placeholders.contains(material))
+                bakes.push_back({{material}, (*loaded.materials)[material].reflectance});
+        replace(method, bakes);
+        return;
+    }
     const std::lock_guard lock(materialsMutex_);
-    materials_[loaded.options.method] = {.baked = loaded.materials, .uploaded = {}};
+    materials_[method] = {.baked = loaded.materials, .placeholders = loaded.placeholders, .uploaded = {}};
+}
+
+void ViewRenderers::replace(baker::Method method, const std::vector<scene::FinishedBake>& bakes)
+{
+    const auto known = materials_.find(method);
+    if (known == materials_.end()) // no longer asked for
+        return;
+    for (const scene::FinishedBake& finished : bakes)
+        for (const size_t material : finished.materials)
+            replace(known->second, method, material, finished.reflectance);
+}
+
+void ViewRenderers::replace(Bake& bake, baker::Method method, size_t material,
+                            const scene::Reflectance& reflectance)
+{
+    auto baked = std::make_shared<std::vector<scene::BakedMaterial>>(*bake.baked); // which share their texels
+    const scene::Reflectance before = std::exchange((*baked)[material].reflectance, reflectance);
+    {
+        const std::lock_guard lock(materialsMutex_);
+        bake.baked = std::move(baked);
+        bake.placeholders.erase(material);
+    }
+    if (!bake.uploaded)
+        return;
+    bake.uploaded->replace(device_, material, before, reflectance);
+    for (Slot& slot : slots_)
+        if (slot.renderer && slot.method == method) {
+            slot.renderer->changeMaterial(material);
+            slot.metered.reset();
+            // A picture of full quality is followed by another.
+            slot.rendered = slot.rendered && slot.isExact;
+            slot.isExact = false;
+        }
+}
+
+void ViewRenderers::keepPlaceholders(baker::Method method)
+{
+    const std::lock_guard lock(materialsMutex_);
+    if (const auto known = materials_.find(method); known != materials_.end())
+        known->second.placeholders.clear();
 }
 
 SceneResources ViewRenderers::resourcesOf(baker::Method method)
 {
     Bake& bake = materials_.at(method);
     if (!bake.uploaded)
-        bake.uploaded = std::make_shared<const MaterialResources>(device_, *scene_, *bake.baked);
+        bake.uploaded = std::make_shared<MaterialResources>(device_, *scene_, *bake.baked);
     return {.geometry = geometry_, .materials = bake.uploaded, .environment = environment_};
 }
 
@@ -67,6 +117,7 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
                .method = loaded.options.method,
                .exact = {},
                .exactSeconds = {},
+               .isFirst = true,
                .changed = {},
                .metered = {},
                .camera = {},
@@ -81,7 +132,10 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     geometry_ = resources.geometry;
     {
         const std::lock_guard lock(materialsMutex_);
-        materials_ = {{loaded.options.method, {.baked = loaded.materials, .uploaded = resources.materials}}};
+        materials_ = {{loaded.options.method,
+                       {.baked = loaded.materials,
+                        .placeholders = loaded.placeholders,
+                        .uploaded = resources.materials}}};
     }
     environment_ = resources.environment;
     lights_.reset();
@@ -96,12 +150,28 @@ void ViewRenderers::restart()
     }
 }
 
-std::optional<baker::Method> ViewRenderers::missing(const ui::ViewState& state) const
+// The first filter of a side that is `asked` for.
+template<class Asked>
+std::optional<baker::Method> ViewRenderers::firstOf(const ui::ViewState& state, const Asked& asked) const
 {
+    const std::lock_guard lock(materialsMutex_);
     for (size_t side = 0; side < (state.split ? 2u : 1u); ++side)
-        if (state.sides[side].shading != Shading::reference && !materials(state.sides[side].filter))
+        if (state.sides[side].shading != Shading::reference &&
+            asked(materials_.find(state.sides[side].filter)))
             return state.sides[side].filter;
     return std::nullopt;
+}
+
+std::optional<baker::Method> ViewRenderers::missing(const ui::ViewState& state) const
+{
+    return firstOf(state, [this](auto found) { return found == materials_.end(); });
+}
+
+std::optional<baker::Method> ViewRenderers::unfinished(const ui::ViewState& state) const
+{
+    return firstOf(state, [this](auto found) {
+        return found != materials_.end() && !found->second.placeholders.empty();
+    });
 }
 
 void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Method method,
@@ -152,6 +222,7 @@ bool ViewRenderers::renderSlot(Slot& slot, const ui::ViewState& state, ProgressM
             return false;
     }
     forgetExact(slot);
+    slot.isFirst = false;
     slot.stats = reference ? renderer.accumulate(slot.camera) : renderer.render(slot.camera);
     slot.rendered = true;
     return true;
@@ -260,8 +331,11 @@ ViewRenderers::Slot& ViewRenderers::prepareSide(const ui::ViewState& state, glm:
         return prepareReference(state, size);
     Settings settings = state.settings;
     settings.size = size;
-    settings.shading = side.shading;
     Slot& slot = slots_[i];
+    // The pipelines of forward shading are few: where they all are compiled first, there is a picture at
+    // once.
+    const bool soon = slot.isFirst && side.shading == Shading::tsl && settings.budgetMs > 0.0;
+    settings.shading = soon ? Shading::forward : side.shading;
     if (materials(side.filter)) // else the old ones, until these are baked
         prepare(slot, state, side.filter, settings);
     else if (slot.renderer)

@@ -60,6 +60,10 @@ public:
     {
         return renderers_.missing(state);
     }
+    std::optional<baker::Method> unfinished(const ui::ViewState& state) const
+    {
+        return renderers_.unfinished(state);
+    }
     PictureStream& pictures(size_t side) { return side == 0 ? left_ : right_; }
 
 private:

@@ -170,6 +170,7 @@ void Viewer::frame()
     window_->setPresentMode(state_.presentMode);
     finishLoading();
     act(layout);
+    takeWaitingScreenshots();
     changeEnvironment();
     loadMissing();
     if (!minimised()) {
@@ -216,8 +217,10 @@ void Viewer::expose(double seconds)
         exposureKnown_ = true;
         if (std::exchange(exposureAsked_, false)) {
             state_.autoExposure = needsExposure(*histogram);
-            if (!state_.autoExposure)
+            if (!state_.autoExposure) {
+                state_.settings.exposure = 1.0f;
                 return;
+            }
             spdlog::info("exposure {} (auto)", automaticExposure(*histogram));
         }
         adaptation_.aim(automaticExposure(*histogram));
@@ -258,10 +261,11 @@ void Viewer::collect()
     report_.history.insert(report_.history.end(), result->frames.begin(), result->frames.end());
     while (report_.history.size() > kHistory)
         report_.history.pop_front();
-    if (asked_ && !loader_.busy()) {
-        spdlog::info("{}: shown after {:.1f} s", arguments_.scene.string(), glfwGetTime() - *asked_);
-        asked_.reset();
-    }
+    if (uploading_ || (loader_.busy() && !loader_.baking())) // something else
+        return;
+    loader_.proceed();
+    if (!std::exchange(reported_, true))
+        spdlog::info("{}: shown after {:.1f} s", arguments_.scene.string(), glfwGetTime() - asked_);
 }
 
 void Viewer::show(const ui::Layout& layout)
@@ -328,7 +332,7 @@ void Viewer::setTitle()
 {
     std::string title = scene_ ? arguments_.scene.filename().string() + " - Lumel" : "Lumel";
     if (loader_.busy())
-        title += " (loading)";
+        title += loader_.baking() ? " (baking)" : " (loading)";
     if (title != title_)
         glfwSetWindowTitle(frontend_.window, title.c_str());
     title_ = title;

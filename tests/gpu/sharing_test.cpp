@@ -52,7 +52,7 @@ TEST_F(SharingTest, MaterialsOfAnotherMethodShareTheGeometry)
     TestScene s = sphereScene(maps);
     SceneResources resources = uploadScene(device(), s.scene, s.materials);
     s.materials[0].reflectance = baker::bake(maps, {.method = baker::Method::average});
-    resources.materials = std::make_shared<const MaterialResources>(device(), s.scene, s.materials);
+    resources.materials = std::make_shared<MaterialResources>(device(), s.scene, s.materials);
     for (const Shading shading : {Shading::tsl, Shading::forward}) {
         Renderer sharing(device(), s.scene, resources, settingsFor(shading));
         Renderer alone(device(), s.scene, s.materials, settingsFor(shading));
