@@ -55,6 +55,11 @@ void monitorThisThread(ProgressMonitor* monitor)
     threadMonitor = monitor;
 }
 
+ProgressMonitor* monitorOfThisThread()
+{
+    return threadMonitor;
+}
+
 Progress::Progress(std::string label, size_t total)
     : label_(std::move(label)), total_(total), start_(std::chrono::steady_clock::now()),
       terminal_(living++ == 0 && isatty(STDERR_FILENO) != 0 && !threadMonitor), monitor_(threadMonitor)

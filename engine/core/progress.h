@@ -22,6 +22,7 @@ private:
 };
 // From now on this thread's work is told to `monitor` in place of stderr. Null: no more.
 void monitorThisThread(ProgressMonitor* monitor);
+ProgressMonitor* monitorOfThisThread();
 
 // One line on stderr, redrawn at most ten times a second, only when stderr is a terminal and the work
 // has taken longer than 0.2 s. While one line lives, others stay silent. Safe to call from several threads.

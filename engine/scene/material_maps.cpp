@@ -58,7 +58,7 @@ void setColours(const Material& m, MaterialImages& sources, baker::Maps& maps)
                               sources.colours(m.specularColorImage, m.specularColorUv, m.uv)});
     Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
     const float f0 = dielectricF0(m.ior);
-    for (int y = 0; y < images.height; ++y)
+    tbb::parallel_for(0, images.height, [&](int y) {
         for (int x = 0; x < images.width; ++x) {
             const float metal = m.metallic * images.value(1, x, y, 2);
             const float strength = m.specular * images.alpha(2, x, y);
@@ -74,6 +74,7 @@ void setColours(const Material& m, MaterialImages& sources, baker::Maps& maps)
                 diffuse.at(x, y)[c] = colour[c] * (1.0f - metal) * left;
             }
         }
+    });
     give(specular, maps.specular, maps.specularConstant);
     give(diffuse, maps.diffuse, maps.diffuseConstant);
 }
@@ -162,7 +163,7 @@ Image halved(const Image& in)
 {
     Image out(std::max(1, in.width / 2), std::max(1, in.height / 2), in.channels);
     const float area = float(in.width) / float(out.width) * float(in.height) / float(out.height);
-    for (int y = 0; y < out.height; ++y) {
+    tbb::parallel_for(0, out.height, [&](int y) {
         const baker::Footprint rows(y, out.height, in.height);
         for (int x = 0; x < out.width; ++x) {
             const baker::Footprint columns(x, out.width, in.width);
@@ -173,7 +174,7 @@ Image halved(const Image& in)
                         out.at(x, y)[c] += weight * in.at(sx, sy)[c];
                 }
         }
-    }
+    });
     return out;
 }
 
@@ -233,12 +234,13 @@ Image emissiveImage(const Scene& scene, const Material& material)
                                               material.emissiveUv, material.emissionUv),
                               sources.get(occludes(material) ? material.occlusionImage : -1)});
     Image emissive(images.width, images.height, 4);
-    for (int y = 0; y < images.height; ++y)
+    tbb::parallel_for(0, images.height, [&](int y) {
         for (int x = 0; x < images.width; ++x) {
             for (int c = 0; c < 3; ++c)
                 emissive.at(x, y)[c] = material.emissive[c] * images.colour(0, x, y, c);
             emissive.at(x, y)[3] = 1.0f + material.occlusionStrength * (images.value(1, x, y, 0) - 1.0f);
         }
+    });
     for (float value : emissive.pixels)
         if (!std::isfinite(value))
             throw Error(

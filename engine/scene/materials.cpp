@@ -4,6 +4,7 @@
 #include "material_maps.h"
 #include <chrono>
 #include <fmt/format.h>
+#include <future>
 #include <spdlog/spdlog.h>
 
 namespace lumel::scene {
@@ -74,8 +75,13 @@ void MaterialBaker::add(size_t index)
     const std::string inputKey = cache_->inputKey(material);
     if (const auto known = cache_->recall(inputKey); known && take(*known, index))
         return;
+    // Images take long to decode: those of emission beside the others.
+    auto emission = std::async(std::launch::async, [&, monitor = monitorOfThisThread()] {
+        monitorThisThread(monitor);
+        return emissiveImage(scene_, material);
+    });
     baker::Maps maps = reflectanceMaps(scene_, material);
-    Image emissive = emissiveImage(scene_, material);
+    Image emissive = emission.get();
     const std::string key = cache_->key(maps, emissive);
     if (take(key, index)) {
         cache_->remember(inputKey, key);

@@ -9,7 +9,7 @@ void Loader::begin(const std::filesystem::path& file, const MaterialOptions& opt
                    std::shared_ptr<const Scene> known, std::function<void(Scene&)> finish)
 {
     cancel();
-    monitor_->cancelled = false;
+    mayProceed_ = monitor_->cancelled = false;
     monitor_->set("loading " + file.filename().string(), 0, 0);
     thread_ = std::thread([this, file, options, known = std::move(known), finish = std::move(finish)] {
         monitorThisThread(monitor_.get());

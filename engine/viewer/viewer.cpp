@@ -153,6 +153,8 @@ void Viewer::frame()
     const float seconds = float(now - lastFrame_);
     lastFrame_ = now;
     redraws_ = frontend_.input->any() ? kRedrawsOfInput : std::max(redraws_ - 1, 0);
+    if (reported_ && loader_.busy()) // and drawn
+        loader_.proceed();
     collect();
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();
@@ -263,7 +265,6 @@ void Viewer::collect()
         report_.history.pop_front();
     if (uploading_ || (loader_.busy() && !loader_.baking())) // something else
         return;
-    loader_.proceed();
     if (!std::exchange(reported_, true))
         spdlog::info("{}: shown after {:.1f} s", arguments_.scene.string(), glfwGetTime() - asked_);
 }
