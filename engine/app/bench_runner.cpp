@@ -151,7 +151,8 @@ BenchRunner::Uploaded BenchRunner::upload(const scene::Scene& scene) const
             scene::bakeMaterials(scene, {.method = method,
                                          .model = arguments_.model,
                                          .useCache = arguments_.useCache,
-                                         .threads = arguments_.threads});
+                                         .threads = arguments_.threads,
+                                         .quick = arguments_.quick});
         all.materials[method] = std::make_shared<MaterialResources>(device_, scene, baked);
         if (!all.geometry)
             all.geometry = std::make_shared<const GeometryResources>(device_, scene, baked);

@@ -31,6 +31,12 @@ bool interrupted()
     return signalled != 0;
 }
 
+int sayInterrupted()
+{
+    std::fputs("lumel: interrupted; no incomplete file was written\n", stderr);
+    return 130;
+}
+
 void checkInterrupted()
 {
     if (interrupted() || (threadMonitor && threadMonitor->cancelled))

@@ -60,6 +60,7 @@ private:
 // Installs handlers for SIGINT and SIGTERM that only set a flag; a second signal ends the process.
 void catchInterrupts();
 bool interrupted();
+int sayInterrupted(); // for users; returns the exit code
 // Throws Interrupted after Ctrl-C, and when the monitor of this thread's work says to stop.
 void checkInterrupted();
 

@@ -6,6 +6,7 @@
 #include "material_maps.h"
 #include "baker/footprint.h"
 #include "core/error.h"
+#include "core/progress.h"
 #include "material_images.h"
 #include "shared/energy.h"
 #include <fmt/format.h>
@@ -214,6 +215,7 @@ baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
         setSpecularGlossinessColours(material, sources, maps);
     else
         setColours(material, sources, maps);
+    checkInterrupted();
     const auto roughness = setRoughness(
         material, sources.get(material.metallicRoughnessImage, material.metallicRoughnessUv, material.uv),
         maps);
@@ -271,8 +273,10 @@ std::vector<Image> mipChain(Image image)
 {
     std::vector<Image> levels;
     levels.push_back(std::move(image));
-    while (levels.back().width > 1 || levels.back().height > 1)
+    while (levels.back().width > 1 || levels.back().height > 1) {
+        checkInterrupted();
         levels.push_back(halved(levels.back()));
+    }
     return levels;
 }
 

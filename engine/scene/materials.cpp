@@ -2,6 +2,7 @@
 #include "bake_cache.h"
 #include "core/error.h"
 #include "material_maps.h"
+#include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
 #include <future>
@@ -82,11 +83,14 @@ void MaterialBaker::add(size_t index)
     });
     baker::Maps maps = reflectanceMaps(scene_, material);
     Image emissive = emission.get();
+    checkInterrupted();
     const std::string key = cache_->key(maps, emissive);
     if (take(key, index)) {
-        cache_->remember(inputKey, key);
+        if (std::ranges::none_of(pending_, [&](const Pending& pending) { return pending.key == key; }))
+            cache_->remember(inputKey, key);
         return;
     }
+    checkInterrupted();
     first_[key] = index;
     done_.push_back({.reflectance = {}, .emissive = emissiveChain(std::move(emissive)), .opacity = {}});
     pending_.push_back({.materials = {index}, .inputKey = inputKey, .key = key, .maps = std::move(maps)});
@@ -197,7 +201,7 @@ std::vector<BakedMaterial> bakeMaterials(const Scene& scene, const MaterialOptio
         return work.all();
     std::vector<BakedMaterial> all = work.placeholders();
     if (const size_t count = work.pending().size(); count > 0)
-        spdlog::warn("{}: {} of {} materials are not baked yet: --quick shows their closed forms",
+        spdlog::warn("{}: {} of {} materials are not baked: --quick shows closed forms of them",
                      scene.file.string(), count, scene.materials.size());
     return all;
 }

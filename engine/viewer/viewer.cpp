@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 namespace lumel {
 namespace {
@@ -104,6 +105,14 @@ void Viewer::run()
         await();
         frame();
     }
+}
+
+void Viewer::abandon()
+{
+    constexpr auto kPatience = std::chrono::milliseconds(200);
+    loader_.cancel();
+    if (!thread_->endsWithin(kPatience))
+        _exit(sayInterrupted());
 }
 
 bool Viewer::minimised() const

@@ -18,6 +18,9 @@ public:
 
     // Until the window is closed. Throws Error when the first scene cannot be shown.
     void run();
+    // After Ctrl-C. Ends the process where a frame does not: drivers may compile for seconds, and cannot be
+    // stopped.
+    void abandon();
     std::vector<std::string> validationMessages() const;
 
 private:
