@@ -457,14 +457,16 @@ Image ViewRenderers::screenshot(const ui::ViewState& state, size_t side, bool ra
 {
     prepareSide(state, state.settings.size, side);
     Slot& slot = *rendererOf(side);
-    if (!isReference_[side]) {
-        // Lumels kept from other views are within the tolerance, not the same, and a budget's quality depends
-        // on the machine's load.
-        if (!slot.isExact || !slot.rendered)
-            renderExact(slot, state, nullptr);
-    }
-    slot.rendered = true;
-    return radiance ? shown(slot).readRadiance() : shown(slot).readDisplay();
+    // Lumels kept from other views are within the tolerance, not the same, and a budget's quality depends on
+    // the machine's load.
+    const bool isShown = slot.isExact && slot.rendered;
+    if (isReference_[side])
+        slot.rendered = true;
+    else if (!isShown)
+        renderExact(slot, state, nullptr);
+    Image picture = radiance ? shown(slot).readRadiance() : shown(slot).readDisplay();
+    slot.isExact = isShown; // else the window does not have it yet
+    return picture;
 }
 
 } // namespace lumel

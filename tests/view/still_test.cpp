@@ -54,7 +54,7 @@ TEST_F(StillView, EndsAtThePictureOfShotAfterALightWasMovedAndPutBack)
 // Placeholders first; a screenshot waits for what replaces them.
 TEST_F(StillView, ShowsASceneBeforeItIsBakedAndEndsAtThePictureOfShot)
 {
-    cli::writeHeightMap(folder_ / "first.png", 1024, 1024);
+    cli::writeHeightMap(folder_ / "first.png", 512, 512);
     start({"first.gltf", "--size", "700x300", "--validate"});
     const Window window = display->find("first.gltf - Lumel (baking)");
     ASSERT_NE(window, 0u) << log();
