@@ -63,7 +63,7 @@ TEST_F(SharingTest, MaterialsOfAnotherMethodShareTheGeometry)
 // As the viewer does while it bakes.
 TEST_F(SharingTest, MaterialsThatAreReplacedAreLitAgainInThePlaceOfTheOld)
 {
-    const baker::Maps maps = bumpyMaps(64, 0.3f, 50.0f);
+    const baker::Maps maps = bumpyMaps(256, 0.3f, 50.0f);
     for (const Shading shading : {Shading::tsl, Shading::forward, Shading::reference}) {
         TestScene s = sphereScene(maps);
         s.add(planeMesh(), plainMaps());
@@ -81,8 +81,9 @@ TEST_F(SharingTest, MaterialsThatAreReplacedAreLitAgainInThePlaceOfTheOld)
         const Image after = displayOf(renderer);
         s.materials[0].reflectance = baked;
         Renderer fresh(device(), s.scene, s.materials, settingsFor(shading));
-        EXPECT_NE(before.pixels, after.pixels) << int(shading);
-        EXPECT_EQ(after.pixels, displayOf(fresh).pixels) << int(shading);
+        EXPECT_TRUE(after.pixels == displayOf(fresh).pixels) << int(shading);
+        // The reference reads the finest level, which placeholders have as it is.
+        EXPECT_EQ(before.pixels == after.pixels, shading == Shading::reference) << int(shading);
     }
 }
 
