@@ -104,7 +104,8 @@ void Viewer::take(const std::shared_ptr<scene::LoadedScene>& loaded)
     uploading_ = true;
     thread_->ask([this, load, loaded, state = state_](ViewRenderers& renderers) -> SceneThread::Answer {
         try {
-            renderers.setScene(*loaded, state);
+            if (load.kind != Load::Kind::material || !renderers.setMaterials(*loaded))
+                renderers.setScene(*loaded, state);
         } catch (const Error& e) {
             return [this, load, why = std::string(e.what())] {
                 uploading_ = false;

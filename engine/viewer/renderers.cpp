@@ -36,77 +36,6 @@ const ViewRenderers::Slot* ViewRenderers::rendererOf(size_t side) const
     return &slots_[isReference_[side] ? kReference : side];
 }
 
-std::shared_ptr<const std::vector<scene::BakedMaterial>> ViewRenderers::materials(baker::Method method) const
-{
-    const std::lock_guard lock(materialsMutex_);
-    const auto found = materials_.find(method);
-    return found == materials_.end() ? nullptr : found->second.baked;
-}
-
-void ViewRenderers::addMaterials(scene::LoadedScene loaded)
-{
-    const baker::Method method = loaded.options.method;
-    const auto known = materials_.find(method);
-    if (known != materials_.end()) {
-        std::vector<scene::FinishedBake> bakes;
-        for (const size_t material : known->second.placeholders)
-            if (!loaded.placeholders.contains(material))
-                bakes.push_back({{material}, (*loaded.materials)[material].reflectance});
-        replace(method, bakes);
-        return;
-    }
-    const std::lock_guard lock(materialsMutex_);
-    materials_[method] = {.baked = loaded.materials, .placeholders = loaded.placeholders, .uploaded = {}};
-}
-
-void ViewRenderers::replace(baker::Method method, const std::vector<scene::FinishedBake>& bakes)
-{
-    const auto known = materials_.find(method);
-    if (known == materials_.end()) // no longer asked for
-        return;
-    for (const scene::FinishedBake& finished : bakes)
-        for (const size_t material : finished.materials)
-            replace(known->second, method, material, finished.reflectance);
-}
-
-void ViewRenderers::replace(Bake& bake, baker::Method method, size_t material,
-                            const scene::Reflectance& reflectance)
-{
-    auto baked = std::make_shared<std::vector<scene::BakedMaterial>>(*bake.baked); // which share their texels
-    const scene::Reflectance before = std::exchange((*baked)[material].reflectance, reflectance);
-    {
-        const std::lock_guard lock(materialsMutex_);
-        bake.baked = std::move(baked);
-        bake.placeholders.erase(material);
-    }
-    if (!bake.uploaded)
-        return;
-    bake.uploaded->replace(device_, material, before, reflectance);
-    for (Slot& slot : slots_)
-        if (slot.renderer && slot.method == method) {
-            slot.renderer->changeMaterial(material);
-            slot.metered.reset();
-            // A picture of full quality is followed by another.
-            slot.rendered = slot.rendered && slot.isExact;
-            slot.isExact = false;
-        }
-}
-
-void ViewRenderers::keepPlaceholders(baker::Method method)
-{
-    const std::lock_guard lock(materialsMutex_);
-    if (const auto known = materials_.find(method); known != materials_.end())
-        known->second.placeholders.clear();
-}
-
-SceneResources ViewRenderers::resourcesOf(baker::Method method)
-{
-    Bake& bake = materials_.at(method);
-    if (!bake.uploaded)
-        bake.uploaded = std::make_shared<MaterialResources>(device_, *scene_, *bake.baked);
-    return {.geometry = geometry_, .materials = bake.uploaded, .environment = environment_};
-}
-
 void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& state)
 {
     // Built beside the old renderers, so that these stay as they are when memory runs out.
@@ -150,30 +79,6 @@ void ViewRenderers::restart()
     }
 }
 
-// The first filter of a side that is `asked` for.
-template<class Asked>
-std::optional<baker::Method> ViewRenderers::firstOf(const ui::ViewState& state, const Asked& asked) const
-{
-    const std::lock_guard lock(materialsMutex_);
-    for (size_t side = 0; side < (state.split ? 2u : 1u); ++side)
-        if (state.sides[side].shading != Shading::reference &&
-            asked(materials_.find(state.sides[side].filter)))
-            return state.sides[side].filter;
-    return std::nullopt;
-}
-
-std::optional<baker::Method> ViewRenderers::missing(const ui::ViewState& state) const
-{
-    return firstOf(state, [this](auto found) { return found == materials_.end(); });
-}
-
-std::optional<baker::Method> ViewRenderers::unfinished(const ui::ViewState& state) const
-{
-    return firstOf(state, [this](auto found) {
-        return found != materials_.end() && !found->second.placeholders.empty();
-    });
-}
-
 void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Method method,
                             const Settings& settings)
 {
@@ -192,6 +97,8 @@ void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Metho
         slot.rendered = false;
         slot.metered.reset();
     }
+    if (std::exchange(slot.stale, false))
+        slot.rendered = false;
     const unsigned changed = changes(slot.renderer->settings(), settings);
     const bool moved = !sameCamera(slot.camera, state.camera.camera());
     if (moved || (changed & ~unsigned(invalidates::display)))
@@ -404,25 +311,6 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, SceneRep
     if (rendered)
         measure(state, report);
     return rendered;
-}
-
-// The cache on disk has them too, and MIP chains take a hundred MiB per material.
-void ViewRenderers::forgetUnused(const ui::ViewState& state)
-{
-    if (!state.split)
-        slots_[1] = {};
-    if (!state.split && !isReference_[0])
-        slots_[kReference] = {};
-    const auto used = [&](baker::Method method) {
-        for (size_t side = 0; side < (state.split ? 2u : 1u); ++side)
-            if (state.sides[side].filter == method || slots_[side].method == method)
-                return true;
-        return false;
-    };
-    if (missing(state))
-        return;
-    const std::lock_guard lock(materialsMutex_);
-    std::erase_if(materials_, [&](const auto& entry) { return !used(entry.first); });
 }
 
 void ViewRenderers::measure(const ui::ViewState& state, SceneReport& report)

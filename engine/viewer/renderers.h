@@ -25,6 +25,9 @@ class ViewRenderers {
 public:
     explicit ViewRenderers(const gpu::Device& device) : device_(device) {}
 
+    // The same scene with other materials. False, and nothing is done, where their maps have other sizes or
+    // other filters are shown too.
+    bool setMaterials(const scene::LoadedScene& loaded);
     // Another scene, or the same with other materials: all renderers are replaced. Throws Error and keeps the
     // old ones when the new ones do not fit into memory.
     void setScene(scene::LoadedScene loaded, const ui::ViewState& state);
@@ -86,6 +89,7 @@ private:
         bool isFirst = false;  // nothing of the scene has been shown
         bool refined = false;  // by the last frame
         bool rendered = false; // up to date
+        bool stale = false;    // no more, from the next frame on
         std::chrono::steady_clock::time_point changed;
         std::optional<LuminanceHistogram> metered; // of that view
         scene::Camera camera;
