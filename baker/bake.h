@@ -122,6 +122,10 @@ size_t progressUnits(const Maps& maps);
 // The same without keeping the levels, which are the bulk of a large chain. Returns the metadata only.
 ReflectanceMips bake(const Maps& maps, const Options& options, LevelSink& sink, Progress* progress);
 
+// Stands in for such a chain until that is there, at a small part of its cost: of the same size, with the
+// same level 0, in coarser levels the method's closed form (LEAN for what is fitted), and no error: E = 0.
+ReflectanceMips placeholder(const Maps& maps, const Options& options);
+
 // The metadata of such a bake.
 ReflectanceMips metadata(const Maps& maps, const Options& options);
 // Hash of every input and option that changes the result: the file's lumel:source and the cache key.

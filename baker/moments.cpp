@@ -123,4 +123,18 @@ float scalarPower(const Shape& shape)
     return 1.0f / std::sqrt(std::max(shape.sxx * shape.syy - shape.sxy * shape.sxy, 1e-8f));
 }
 
+glm::dvec3 normalOf(const Shape& shape)
+{
+    const double nx = shape.nx, ny = shape.ny;
+    return {nx, ny, std::sqrt(std::max(0.0, 1.0 - nx * nx - ny * ny))};
+}
+
+glm::vec3 diffuseAlong(const glm::dvec3& normal, const Moments& mean)
+{
+    glm::vec3 kd;
+    for (int c = 0; c < 3; ++c)
+        kd[c] = float(std::max(0.0, glm::dot(mean.kdNormal[c], normal)));
+    return kd;
+}
+
 } // namespace lumel::baker

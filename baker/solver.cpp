@@ -294,16 +294,13 @@ void Solver::write(const Texel& texel, const Found& found, float* t, bool ownKs)
     t[kSxy] = shape.sxy;
     t[kSyy] = shape.syy;
     writeSpecular(texel, found, t, ownKs);
-    const double nz =
-        std::sqrt(std::max(0.0, 1.0 - double(shape.nx) * shape.nx - double(shape.ny) * shape.ny));
-    writeDiffuse(texel.task, {shape.nx, shape.ny, nz}, t);
+    writeDiffuse(texel.task, normalOf(shape), t);
 }
 
-// The vector average of Kd N, along the stored N.
-void Solver::writeDiffuse(const TexelTask& task, glm::dvec3 normal, float* t)
+void Solver::writeDiffuse(const TexelTask& task, const glm::dvec3& normal, float* t)
 {
-    for (int c = 0; c < 3; ++c)
-        t[kKdR + c] = float(std::max(0.0, glm::dot(task.mean.kdNormal[c], normal)));
+    const glm::vec3 kd = diffuseAlong(normal, task.mean);
+    std::copy_n(&kd.x, 3, t + kKdR);
 }
 
 // Its values of Ks 1 at the texel's nodes, into the scratch.

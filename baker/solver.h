@@ -127,7 +127,7 @@ private:
     std::array<double, 3> channelOverlaps(const Texel& texel, const Shape& shape);
     void writePair(const Texel& texel);
     void writePairColours(const Texel& texel, float* first, float* second);
-    void writeDiffuse(const TexelTask& task, glm::dvec3 normal, float* to);
+    void writeDiffuse(const TexelTask& task, const glm::dvec3& normal, float* to);
     void sampleShape(const Texel& texel, const Shape& shape);
     void write(const Texel& texel, const Found& found, float* to, bool ownKs);
     void writeSpecular(const Texel& texel, const Found& found, float* to, bool ownKs);

@@ -73,7 +73,7 @@ struct BenchRunner::Run {
 // What all runs of a scene share.
 struct BenchRunner::Uploaded {
     std::shared_ptr<const GeometryResources> geometry;
-    std::map<baker::Method, std::shared_ptr<const MaterialResources>> materials;
+    std::map<baker::Method, std::shared_ptr<MaterialResources>> materials;
     std::shared_ptr<const EnvironmentMap> environment, noEnvironment;
 
     SceneResources resourcesOf(baker::Method method, const scene::Scene& scene) const
@@ -151,8 +151,9 @@ BenchRunner::Uploaded BenchRunner::upload(const scene::Scene& scene) const
             scene::bakeMaterials(scene, {.method = method,
                                          .model = arguments_.model,
                                          .useCache = arguments_.useCache,
-                                         .threads = arguments_.threads});
-        all.materials[method] = std::make_shared<const MaterialResources>(device_, scene, baked);
+                                         .threads = arguments_.threads,
+                                         .quick = arguments_.quick});
+        all.materials[method] = std::make_shared<MaterialResources>(device_, scene, baked);
         if (!all.geometry)
             all.geometry = std::make_shared<const GeometryResources>(device_, scene, baked);
     }

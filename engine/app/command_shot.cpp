@@ -115,7 +115,8 @@ void runShot(const ShotArguments& arguments)
     const auto materials = scene::bakeMaterials(scene, {.method = arguments.filter,
                                                         .model = arguments.model,
                                                         .useCache = arguments.useCache,
-                                                        .threads = arguments.threads});
+                                                        .threads = arguments.threads,
+                                                        .quick = arguments.quick});
     Renderer renderer(device, scene, materials, arguments.settings);
     const Playback playback(scene, camera, arguments.path);
     playback.apply(renderer, 0);

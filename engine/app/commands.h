@@ -46,6 +46,7 @@ struct SceneArguments {
     baker::Method filter = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;
     bool useCache = true;
+    bool quick = false; // materials that are not in the cache are not baked
     int threads = 0;
     gpu::DeviceOptions device;
 };

@@ -44,8 +44,7 @@ int main(int argc, char** argv)
         std::fprintf(stderr, "lumel: %s; see lumel --help\n", e.what());
         return 2;
     } catch (const Interrupted&) {
-        std::fputs("lumel: interrupted; no incomplete file was written\n", stderr);
-        return 130;
+        return sayInterrupted();
     } catch (const std::bad_alloc&) {
         std::fputs("lumel: out of memory; use smaller maps or a smaller --size\n", stderr);
         return 1;

@@ -16,6 +16,7 @@ void addShot(CommandLine& line, ShotArguments& a)
     addText(command, "-o,--output", "FILE", ".png (tone-mapped sRGB) or .exr (linear radiance)", a.output)
         .required();
     addSceneOptions(command, a);
+    addQuick(command, a);
     addNumber(command, "--frames", 1, 100000, "",
               "frames to render; the last is written, or all to a name such as f_%04d.png", a.frames);
     addPathOptions(command, a.path);

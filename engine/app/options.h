@@ -27,6 +27,7 @@ void addHelp(CommandLine& line, HelpArguments& arguments);
 
 // What is rendered, from where and how: the same for every command that renders.
 void addSceneOptions(Command& command, SceneArguments& arguments);
+void addQuick(Command& command, SceneArguments& arguments);
 void addPathOptions(Command& command, PathOptions& path);
 void checkPath(const PathOptions& path); // after parsing; throws UsageError
 inline constexpr const char* kFilterHelp =

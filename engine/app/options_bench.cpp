@@ -159,6 +159,7 @@ void addBench(CommandLine& line, BenchArguments& a)
         .byDefault("the stress scene");
     a.settings.forwardAnisotropy = 8;
     addSceneOptions(command, a);
+    addQuick(command, a);
     addLists(command, a);
     command.get("--forward-anisotropy")
         .describe("maximum anisotropy of forward-aniso's material lookups; the other ways are isotropic");

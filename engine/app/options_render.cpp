@@ -140,6 +140,15 @@ void addSceneOptions(Command& command, SceneArguments& a)
     addMachine(command, a);
 }
 
+void addQuick(Command& command, SceneArguments& a)
+{
+    command.addFlag(
+        "--quick",
+        "do not wait for materials to be baked: those that are not in the cache get closed forms, "
+        "which is said",
+        a.quick);
+}
+
 void addPathOptions(Command& command, PathOptions& path)
 {
     addChoice(command, "--path", kPathNames, "camera path", path.path);

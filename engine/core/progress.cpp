@@ -31,6 +31,12 @@ bool interrupted()
     return signalled != 0;
 }
 
+int sayInterrupted()
+{
+    std::fputs("lumel: interrupted; no incomplete file was written\n", stderr);
+    return 130;
+}
+
 void checkInterrupted()
 {
     if (interrupted() || (threadMonitor && threadMonitor->cancelled))
@@ -53,6 +59,11 @@ std::string ProgressMonitor::label() const
 void monitorThisThread(ProgressMonitor* monitor)
 {
     threadMonitor = monitor;
+}
+
+ProgressMonitor* monitorOfThisThread()
+{
+    return threadMonitor;
 }
 
 Progress::Progress(std::string label, size_t total)

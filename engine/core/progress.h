@@ -22,6 +22,7 @@ private:
 };
 // From now on this thread's work is told to `monitor` in place of stderr. Null: no more.
 void monitorThisThread(ProgressMonitor* monitor);
+ProgressMonitor* monitorOfThisThread();
 
 // One line on stderr, redrawn at most ten times a second, only when stderr is a terminal and the work
 // has taken longer than 0.2 s. While one line lives, others stay silent. Safe to call from several threads.
@@ -59,6 +60,7 @@ private:
 // Installs handlers for SIGINT and SIGTERM that only set a flag; a second signal ends the process.
 void catchInterrupts();
 bool interrupted();
+int sayInterrupted(); // for users; returns the exit code
 // Throws Interrupted after Ctrl-C, and when the monitor of this thread's work says to stop.
 void checkInterrupted();
 

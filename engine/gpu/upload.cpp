@@ -1,5 +1,4 @@
 #include "upload.h"
-#include "barrier.h"
 #include "core/error.h"
 #include <algorithm>
 
@@ -49,14 +48,25 @@ Image UploadBatch::halfImage(uint32_t width, uint32_t height,
                  .usage = vk::ImageUsageFlagBits::eSampled | vk::ImageUsageFlagBits::eTransferDst,
                  .kind = MemoryKind::materials},
                 name);
-    reserve(kTexelBytes * width, 0); // so that the barrier goes before the first copy
-    part().before.push_back(
-        makeImageBarrier(image.handle(), image.aspect(), Use::undefined, Use::transferWrite));
-    for (uint32_t mip = 0; mip < levels.size(); ++mip)
+    fill(image, 0, levels, Use::undefined);
+    return image;
+}
+
+void UploadBatch::refill(const Image& image, uint32_t first,
+                         const std::vector<std::span<const uint16_t>>& levels)
+{
+    fill(image, first, levels, Use::shaderSample);
+}
+
+void UploadBatch::fill(const Image& image, uint32_t first,
+                       const std::vector<std::span<const uint16_t>>& levels, Use before)
+{
+    reserve(kTexelBytes * image.info().width, 0); // so that the barrier goes before the first copy
+    part().before.push_back(makeImageBarrier(image.handle(), image.aspect(), before, Use::transferWrite));
+    for (uint32_t mip = first; mip < levels.size(); ++mip)
         copyMip(image, mip, std::as_bytes(levels[mip]));
     part().after.push_back(
         makeImageBarrier(image.handle(), image.aspect(), Use::transferWrite, Use::shaderSample));
-    return image;
 }
 
 void UploadBatch::copyMip(const Image& image, uint32_t mip, std::span<const std::byte> texels)

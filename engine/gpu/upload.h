@@ -1,5 +1,6 @@
 // Uploads: what the CPU has, in device memory.
 #pragma once
+#include "barrier.h"
 #include "resource.h"
 
 namespace lumel::gpu {
@@ -24,6 +25,9 @@ public:
     // texels (floor, at least 1).
     Image halfImage(uint32_t width, uint32_t height, const std::vector<std::span<const uint16_t>>& levels,
                     const std::string& name);
+    // In an image of halfImage(), the levels from `first` on, in place of what they were. Frames in flight
+    // still see that; those submitted once finish() has returned see what is new, and none may be between.
+    void refill(const Image& image, uint32_t first, const std::vector<std::span<const uint16_t>>& levels);
     // Submits what is left and waits for all.
     void finish();
 
@@ -52,6 +56,8 @@ private:
         size_t offset; // in the part's staging buffer
     };
     Room reserve(size_t least, size_t most); // between so many bytes
+    void fill(const Image& image, uint32_t first, const std::vector<std::span<const uint16_t>>& levels,
+              Use before);
     void copyMip(const Image& image, uint32_t mip, std::span<const std::byte> texels);
     Part& part() { return parts_[current_]; }
     void open(Part& part, size_t least);

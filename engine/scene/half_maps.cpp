@@ -66,12 +66,15 @@ HalfChain::HalfChain(const std::vector<Image>& levels)
     const auto halves = std::make_shared<std::vector<uint16_t>>(offsets_.back());
     for (size_t level = 0; level < levels.size(); ++level) {
         const Image& image = levels[level];
-        const auto channels = size_t(image.channels);
-        std::vector<float> rgba(offsets_[level + 1] - offsets_[level], 1.0f);
-        for (size_t i = 0; i < rgba.size() / 4; ++i)
-            for (size_t c = 0; c < channels; ++c)
-                rgba[4 * i + c] = std::clamp(image.pixels[i * channels + c], -kMaxHalf, kMaxHalf);
-        floatsToHalf(rgba, halves->data() + offsets_[level]);
+        const auto channels = size_t(image.channels), width = size_t(image.width);
+        tbb::parallel_for(0, image.height, [&](int y) {
+            std::vector<float> rgba(4 * width, 1.0f);
+            const float* from = image.at(0, y);
+            for (size_t x = 0; x < width; ++x)
+                for (size_t c = 0; c < channels; ++c)
+                    rgba[4 * x + c] = std::clamp(from[x * channels + c], -kMaxHalf, kMaxHalf);
+            floatsToHalf(rgba, halves->data() + offsets_[level] + 4 * width * size_t(y));
+        });
     }
     texels_ = halves->data();
     owner_ = halves;

@@ -1,4 +1,5 @@
 #include "material_images.h"
+#include "core/progress.h"
 #include <algorithm>
 #include <cmath>
 
@@ -99,6 +100,7 @@ const Image* MaterialImages::get(int index)
 {
     if (index < 0)
         return nullptr;
+    checkInterrupted();
     const SceneImage& source = scene_.images[size_t(index)];
     auto found = decoded_.find(index);
     if (found == decoded_.end())

@@ -6,6 +6,7 @@
 #include "material_maps.h"
 #include "baker/footprint.h"
 #include "core/error.h"
+#include "core/progress.h"
 #include "material_images.h"
 #include "shared/energy.h"
 #include <fmt/format.h>
@@ -58,7 +59,7 @@ void setColours(const Material& m, MaterialImages& sources, baker::Maps& maps)
                               sources.colours(m.specularColorImage, m.specularColorUv, m.uv)});
     Image specular(images.width, images.height, 3), diffuse(images.width, images.height, 3);
     const float f0 = dielectricF0(m.ior);
-    for (int y = 0; y < images.height; ++y)
+    tbb::parallel_for(0, images.height, [&](int y) {
         for (int x = 0; x < images.width; ++x) {
             const float metal = m.metallic * images.value(1, x, y, 2);
             const float strength = m.specular * images.alpha(2, x, y);
@@ -74,6 +75,7 @@ void setColours(const Material& m, MaterialImages& sources, baker::Maps& maps)
                 diffuse.at(x, y)[c] = colour[c] * (1.0f - metal) * left;
             }
         }
+    });
     give(specular, maps.specular, maps.specularConstant);
     give(diffuse, maps.diffuse, maps.diffuseConstant);
 }
@@ -162,7 +164,7 @@ Image halved(const Image& in)
 {
     Image out(std::max(1, in.width / 2), std::max(1, in.height / 2), in.channels);
     const float area = float(in.width) / float(out.width) * float(in.height) / float(out.height);
-    for (int y = 0; y < out.height; ++y) {
+    tbb::parallel_for(0, out.height, [&](int y) {
         const baker::Footprint rows(y, out.height, in.height);
         for (int x = 0; x < out.width; ++x) {
             const baker::Footprint columns(x, out.width, in.width);
@@ -173,7 +175,7 @@ Image halved(const Image& in)
                         out.at(x, y)[c] += weight * in.at(sx, sy)[c];
                 }
         }
-    }
+    });
     return out;
 }
 
@@ -213,6 +215,7 @@ baker::Maps reflectanceMaps(const Scene& scene, const Material& material)
         setSpecularGlossinessColours(material, sources, maps);
     else
         setColours(material, sources, maps);
+    checkInterrupted();
     const auto roughness = setRoughness(
         material, sources.get(material.metallicRoughnessImage, material.metallicRoughnessUv, material.uv),
         maps);
@@ -233,12 +236,13 @@ Image emissiveImage(const Scene& scene, const Material& material)
                                               material.emissiveUv, material.emissionUv),
                               sources.get(occludes(material) ? material.occlusionImage : -1)});
     Image emissive(images.width, images.height, 4);
-    for (int y = 0; y < images.height; ++y)
+    tbb::parallel_for(0, images.height, [&](int y) {
         for (int x = 0; x < images.width; ++x) {
             for (int c = 0; c < 3; ++c)
                 emissive.at(x, y)[c] = material.emissive[c] * images.colour(0, x, y, c);
             emissive.at(x, y)[3] = 1.0f + material.occlusionStrength * (images.value(1, x, y, 0) - 1.0f);
         }
+    });
     for (float value : emissive.pixels)
         if (!std::isfinite(value))
             throw Error(
@@ -269,8 +273,10 @@ std::vector<Image> mipChain(Image image)
 {
     std::vector<Image> levels;
     levels.push_back(std::move(image));
-    while (levels.back().width > 1 || levels.back().height > 1)
+    while (levels.back().width > 1 || levels.back().height > 1) {
+        checkInterrupted();
         levels.push_back(halved(levels.back()));
+    }
     return levels;
 }
 

@@ -30,9 +30,9 @@ void Viewer::act(const ui::Layout& layout)
         if (asked.copyCommand)
             copyCommand();
         if (asked.screenshotPng)
-            takeScreenshot(".png");
+            waiting_.emplace_back(".png", state_);
         if (asked.screenshotExr)
-            takeScreenshot(".exr");
+            waiting_.emplace_back(".exr", state_);
         if (asked.reloadShaders)
             reloadShaders();
     } catch (const Interrupted&) {
@@ -92,8 +92,11 @@ void Viewer::replaceMaterial(const std::filesystem::path& file, glm::vec2 at, co
     for (scene::Material& other : changed->materials) // the option goes by name
         if (other.name == material.name)
             other.bakedFile = file;
-    load_ = {.kind = Load::Kind::material, .file = file, .material = material.name};
-    loader_.begin(arguments_.scene, bakeOptions(state_.sides[0].filter), changed);
+    load_ = {.kind = Load::Kind::material,
+             .file = file,
+             .material = material.name,
+             .method = state_.sides[0].filter};
+    loader_.begin(arguments_.scene, bakeOptions(load_.method), changed);
 }
 
 // Of the command that renders what a side shows.
@@ -102,7 +105,8 @@ static SceneArguments argumentsOf(size_t side, const ViewRenderers& renderers, c
 {
     SceneArguments a = given;
     a.settings = renderers.settings(side);
-    a.settings.budgetMs = 0.0; // its quality depends on the machine's load
+    a.settings.shading = state.sides[side].shading; // its first frame may have been shaded otherwise
+    a.settings.budgetMs = 0.0;                      // its quality depends on the machine's load
     a.settings.residency = ResidencyFrom::exact;
     a.settings.framesInFlight = Settings().framesInFlight;
     if (a.settings.shading == Shading::reference)
@@ -153,13 +157,29 @@ void Viewer::copyCommand()
     });
 }
 
-void Viewer::takeScreenshot(const char* extension)
+// Their commands render what the baker makes, not what stands in for it.
+void Viewer::takeWaitingScreenshots()
+{
+    if (!scene_ || uploading_)
+        return;
+    for (auto waiting = waiting_.begin(); waiting != waiting_.end();) {
+        const auto [extension, state] = *waiting;
+        if (thread_->missing(state) || thread_->unfinished(state)) {
+            ++waiting;
+            continue;
+        }
+        waiting = waiting_.erase(waiting);
+        takeScreenshot(extension, state);
+    }
+}
+
+void Viewer::takeScreenshot(const char* extension, const ui::ViewState& state)
 {
     std::string stem;
     do
         stem = fmt::format("lumel-{:03}", ++screenshots_);
     while (std::filesystem::exists(stem + ".txt"));
-    ask([this, stem, extension = std::string(extension), state = state_,
+    ask([this, stem, extension = std::string(extension), state,
          given = SceneArguments(arguments_)](ViewRenderers& renderers) {
         std::string commands, names;
         for (size_t side = 0; side < (state.split ? 2u : 1u); ++side) {

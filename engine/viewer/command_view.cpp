@@ -57,7 +57,12 @@ void runView(const ViewArguments& arguments)
     std::vector<std::string> messages;
     {
         Viewer viewer(complete);
-        viewer.run();
+        try {
+            viewer.run();
+        } catch (const Interrupted&) {
+            viewer.abandon();
+            throw;
+        }
         messages = viewer.validationMessages();
     }
     if (!messages.empty())

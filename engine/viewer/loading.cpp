@@ -6,6 +6,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 namespace lumel {
 
@@ -19,10 +20,11 @@ scene::MaterialOptions Viewer::bakeOptions(baker::Method method) const
 
 void Viewer::beginLoading(const std::filesystem::path& file)
 {
-    load_ = {.kind = Load::Kind::scene, .file = file, .material = {}};
+    load_ = {.kind = Load::Kind::scene, .file = file, .material = {}, .method = state_.sides[0].filter};
     const bool first = !scene_;
     asked_ = first ? 0.0 : glfwGetTime(); // it counts from the program's start
-    loader_.begin(file, bakeOptions(state_.sides[0].filter), {}, [this, file, first](scene::Scene& scene) {
+    reported_ = baking_ = false;
+    loader_.begin(file, bakeOptions(load_.method), {}, [this, file, first](scene::Scene& scene) {
         // Options that change a scene are about the one they came with.
         if (first)
             changeScene(arguments_, scene);
@@ -37,12 +39,48 @@ void Viewer::finishLoading()
     report_.loadingShare = loader_.progress().share();
     if (uploading_) // no share of it is known
         report_.loading = "uploading " + load_.file.filename().string();
+    const bool baking = loader_.baking();
     try {
         if (std::shared_ptr<scene::LoadedScene> loaded = loader_.take())
             take(loaded);
+        if (!uploading_)
+            takeBakes();
     } catch (const Error& e) {
-        loadFailed(load_, e.what());
+        if (baking) {
+            thread_->withRenderers(
+                [&](ViewRenderers& renderers) { renderers.keepPlaceholders(load_.method); });
+            say(e.what(), true);
+        } else {
+            loadFailed(load_, e.what());
+        }
     }
+}
+
+// What was baked since takes the places of its placeholders.
+void Viewer::takeBakes()
+{
+    const auto bakes = std::make_shared<const std::vector<scene::FinishedBake>>(loader_.takeBakes());
+    if (!bakes->empty())
+        ask([bakes, method = load_.method](ViewRenderers& renderers) {
+            renderers.replace(method, *bakes);
+            return [] {};
+        });
+    if (!std::exchange(baking_, loader_.baking()) || baking_)
+        return;
+    spdlog::info("{}: materials baked after {:.1f} s", arguments_.scene.string(), glfwGetTime() - asked_);
+    if (hasOwnLights(arguments_, *scene_) && !state_.exposureChosen)
+        meterAgain();
+}
+
+// The exposure that was chosen by placeholders is chosen by what has replaced them.
+void Viewer::meterAgain()
+{
+    ask([this, state = state_](ViewRenderers& renderers) {
+        return [this, histogram = renderers.meter(state, state.settings.size)] {
+            metered_ = histogram;
+            exposureAsked_ = true;
+        };
+    });
 }
 
 void Viewer::loadFailed(const Load& load, const std::string& why)
@@ -58,6 +96,7 @@ void Viewer::loadFailed(const Load& load, const std::string& why)
 void Viewer::take(const std::shared_ptr<scene::LoadedScene>& loaded)
 {
     const Load load = load_;
+    baking_ = false;
     if (load.kind == Load::Kind::filter) {
         thread_->withRenderers([&](ViewRenderers& renderers) { renderers.addMaterials(*loaded); });
         return;
@@ -65,7 +104,8 @@ void Viewer::take(const std::shared_ptr<scene::LoadedScene>& loaded)
     uploading_ = true;
     thread_->ask([this, load, loaded, state = state_](ViewRenderers& renderers) -> SceneThread::Answer {
         try {
-            renderers.setScene(*loaded, state);
+            if (load.kind != Load::Kind::material || !renderers.setMaterials(*loaded))
+                renderers.setScene(*loaded, state);
         } catch (const Error& e) {
             return [this, load, why = std::string(e.what())] {
                 uploading_ = false;
@@ -112,6 +152,7 @@ void Viewer::beginView(const Load& load, bool first)
         forgetSceneOptions();
     state_.lightsEdited = false;
     state_.selected.reset();
+    waiting_.clear();
     const scene::Scene& scene = *scene_;
     const bool animated = scene.animation.seconds > 0.0;
     state_.seconds = first && animated ? arguments_.seconds : std::nullopt;
@@ -186,12 +227,15 @@ void Viewer::resetView()
 
 void Viewer::loadMissing()
 {
-    if (loader_.busy() || uploading_ || !scene_)
+    if (!scene_ || uploading_ || (loader_.busy() && !loader_.baking()))
         return;
-    if (const auto method = thread_->missing(state_)) {
-        load_ = {.kind = Load::Kind::filter, .file = {}, .material = {}};
-        loader_.begin(arguments_.scene, bakeOptions(*method), scene_);
-    }
+    auto method = thread_->missing(state_); // sooner than what is being baked
+    if (!method && !loader_.busy())
+        method = thread_->unfinished(state_);
+    if (!method)
+        return;
+    load_ = {.kind = Load::Kind::filter, .file = {}, .material = {}, .method = *method};
+    loader_.begin(arguments_.scene, bakeOptions(*method), scene_);
 }
 
 } // namespace lumel

@@ -36,27 +36,6 @@ const ViewRenderers::Slot* ViewRenderers::rendererOf(size_t side) const
     return &slots_[isReference_[side] ? kReference : side];
 }
 
-std::shared_ptr<const std::vector<scene::BakedMaterial>> ViewRenderers::materials(baker::Method method) const
-{
-    const std::lock_guard lock(materialsMutex_);
-    const auto found = materials_.find(method);
-    return found == materials_.end() ? nullptr : found->second.baked;
-}
-
-void ViewRenderers::addMaterials(scene::LoadedScene loaded)
-{
-    const std::lock_guard lock(materialsMutex_);
-    materials_[loaded.options.method] = {.baked = loaded.materials, .uploaded = {}};
-}
-
-SceneResources ViewRenderers::resourcesOf(baker::Method method)
-{
-    Bake& bake = materials_.at(method);
-    if (!bake.uploaded)
-        bake.uploaded = std::make_shared<const MaterialResources>(device_, *scene_, *bake.baked);
-    return {.geometry = geometry_, .materials = bake.uploaded, .environment = environment_};
-}
-
 void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& state)
 {
     // Built beside the old renderers, so that these stay as they are when memory runs out.
@@ -67,6 +46,7 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
                .method = loaded.options.method,
                .exact = {},
                .exactSeconds = {},
+               .isFirst = true,
                .changed = {},
                .metered = {},
                .camera = {},
@@ -81,7 +61,10 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     geometry_ = resources.geometry;
     {
         const std::lock_guard lock(materialsMutex_);
-        materials_ = {{loaded.options.method, {.baked = loaded.materials, .uploaded = resources.materials}}};
+        materials_ = {{loaded.options.method,
+                       {.baked = loaded.materials,
+                        .placeholders = loaded.placeholders,
+                        .uploaded = resources.materials}}};
     }
     environment_ = resources.environment;
     lights_.reset();
@@ -94,14 +77,6 @@ void ViewRenderers::restart()
         slot.exact.reset();
         slot.rendered = slot.isExact = false;
     }
-}
-
-std::optional<baker::Method> ViewRenderers::missing(const ui::ViewState& state) const
-{
-    for (size_t side = 0; side < (state.split ? 2u : 1u); ++side)
-        if (state.sides[side].shading != Shading::reference && !materials(state.sides[side].filter))
-            return state.sides[side].filter;
-    return std::nullopt;
 }
 
 void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Method method,
@@ -122,6 +97,8 @@ void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Metho
         slot.rendered = false;
         slot.metered.reset();
     }
+    if (std::exchange(slot.stale, false))
+        slot.rendered = false;
     const unsigned changed = changes(slot.renderer->settings(), settings);
     const bool moved = !sameCamera(slot.camera, state.camera.camera());
     if (moved || (changed & ~unsigned(invalidates::display)))
@@ -152,6 +129,7 @@ bool ViewRenderers::renderSlot(Slot& slot, const ui::ViewState& state, ProgressM
             return false;
     }
     forgetExact(slot);
+    slot.isFirst = false;
     slot.stats = reference ? renderer.accumulate(slot.camera) : renderer.render(slot.camera);
     slot.rendered = true;
     return true;
@@ -260,8 +238,11 @@ ViewRenderers::Slot& ViewRenderers::prepareSide(const ui::ViewState& state, glm:
         return prepareReference(state, size);
     Settings settings = state.settings;
     settings.size = size;
-    settings.shading = side.shading;
     Slot& slot = slots_[i];
+    // The pipelines of forward shading are few: where they all are compiled first, there is a picture at
+    // once.
+    const bool soon = slot.isFirst && side.shading == Shading::tsl && settings.budgetMs > 0.0;
+    settings.shading = soon ? Shading::forward : side.shading;
     if (materials(side.filter)) // else the old ones, until these are baked
         prepare(slot, state, side.filter, settings);
     else if (slot.renderer)
@@ -332,25 +313,6 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, SceneRep
     return rendered;
 }
 
-// The cache on disk has them too, and MIP chains take a hundred MiB per material.
-void ViewRenderers::forgetUnused(const ui::ViewState& state)
-{
-    if (!state.split)
-        slots_[1] = {};
-    if (!state.split && !isReference_[0])
-        slots_[kReference] = {};
-    const auto used = [&](baker::Method method) {
-        for (size_t side = 0; side < (state.split ? 2u : 1u); ++side)
-            if (state.sides[side].filter == method || slots_[side].method == method)
-                return true;
-        return false;
-    };
-    if (missing(state))
-        return;
-    const std::lock_guard lock(materialsMutex_);
-    std::erase_if(materials_, [&](const auto& entry) { return !used(entry.first); });
-}
-
 void ViewRenderers::measure(const ui::ViewState& state, SceneReport& report)
 {
     const Slot& reference = slots_[kReference];
@@ -383,14 +345,16 @@ Image ViewRenderers::screenshot(const ui::ViewState& state, size_t side, bool ra
 {
     prepareSide(state, state.settings.size, side);
     Slot& slot = *rendererOf(side);
-    if (!isReference_[side]) {
-        // Lumels kept from other views are within the tolerance, not the same, and a budget's quality depends
-        // on the machine's load.
-        if (!slot.isExact || !slot.rendered)
-            renderExact(slot, state, nullptr);
-    }
-    slot.rendered = true;
-    return radiance ? shown(slot).readRadiance() : shown(slot).readDisplay();
+    // Lumels kept from other views are within the tolerance, not the same, and a budget's quality depends on
+    // the machine's load.
+    const bool isShown = slot.isExact && slot.rendered;
+    if (isReference_[side])
+        slot.rendered = true;
+    else if (!isShown)
+        renderExact(slot, state, nullptr);
+    Image picture = radiance ? shown(slot).readRadiance() : shown(slot).readDisplay();
+    slot.isExact = isShown; // else the window does not have it yet
+    return picture;
 }
 
 } // namespace lumel

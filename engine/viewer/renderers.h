@@ -25,16 +25,24 @@ class ViewRenderers {
 public:
     explicit ViewRenderers(const gpu::Device& device) : device_(device) {}
 
+    // The same scene with other materials. False, and nothing is done, where their maps have other sizes or
+    // other filters are shown too.
+    bool setMaterials(const scene::LoadedScene& loaded);
     // Another scene, or the same with other materials: all renderers are replaced. Throws Error and keeps the
     // old ones when the new ones do not fit into memory.
     void setScene(scene::LoadedScene loaded, const ui::ViewState& state);
-    // The materials of another method, for the same scene.
+    // The materials of another method, for the same scene; or of one that there is, with fewer placeholders.
     void addMaterials(scene::LoadedScene loaded);
+    // In place of placeholders, of a method that there is. What shows them is lit again.
+    void replace(baker::Method method, const std::vector<scene::FinishedBake>& bakes);
+    // Its placeholders stay: they cannot be baked.
+    void keepPlaceholders(baker::Method method);
     std::shared_ptr<const scene::Scene> scene() const { return scene_; }
     // These two from any thread.
     std::shared_ptr<const std::vector<scene::BakedMaterial>> materials(baker::Method method) const;
-    // A method that a side asks for and whose materials are not baked yet.
+    // A method that a side asks for and that has no materials yet; or one with placeholders.
     std::optional<baker::Method> missing(const ui::ViewState& state) const;
+    std::optional<baker::Method> unfinished(const ui::ViewState& state) const;
 
     // Renders what the state asks for, unless it is up to date. True if anything was rendered. Within a frame
     // budget, a view that has been still for a moment is rendered once more as `lumel shot` does; `stop`
@@ -78,8 +86,10 @@ private:
         std::unique_ptr<Renderer> exact;
         std::optional<double> exactSeconds;
         bool isExact = false;  // that of `exact` is shown
+        bool isFirst = false;  // nothing of the scene has been shown
         bool refined = false;  // by the last frame
         bool rendered = false; // up to date
+        bool stale = false;    // no more, from the next frame on
         std::chrono::steady_clock::time_point changed;
         std::optional<LuminanceHistogram> metered; // of that view
         scene::Camera camera;
@@ -89,11 +99,15 @@ private:
     // The materials by one method.
     struct Bake {
         std::shared_ptr<const std::vector<scene::BakedMaterial>> baked;
-        std::shared_ptr<const MaterialResources> uploaded; // when first shown
+        std::set<size_t> placeholders;
+        std::shared_ptr<MaterialResources> uploaded; // when first shown
     };
     static constexpr size_t kReference = 2;
     Slot* rendererOf(size_t side);
     const Slot* rendererOf(size_t side) const;
+    template<class Asked>
+    std::optional<baker::Method> firstOf(const ui::ViewState& state, const Asked& asked) const;
+    void replace(Bake& bake, baker::Method method, size_t material, const scene::Reflectance& reflectance);
     SceneResources resourcesOf(baker::Method method); // of materials that are there
     void prepare(Slot& slot, const ui::ViewState& state, baker::Method method, const Settings& settings);
     // The slot of a side as the state asks for.

@@ -12,13 +12,26 @@ SceneThread::SceneThread(const gpu::Device& renders, const gpu::Device& shows, s
 
 SceneThread::~SceneThread()
 {
+    end();
+    thread_.join();
+}
+
+void SceneThread::end()
+{
     {
         const std::lock_guard lock(mutex_);
         ended_ = true;
         stop_.cancelled = true;
     }
     changed_.notify_all();
-    thread_.join();
+}
+
+bool SceneThread::endsWithin(std::chrono::milliseconds time)
+{
+    end();
+    std::unique_lock lock(mutex_);
+    const bool done = changed_.wait_for(lock, time, [this] { return done_; });
+    return done || !working_;
 }
 
 void SceneThread::post(SceneRequest request)
@@ -117,6 +130,11 @@ void SceneThread::run()
         const std::lock_guard lock(mutex_);
         failure_ = std::current_exception();
     }
+    {
+        const std::lock_guard lock(mutex_);
+        done_ = true;
+    }
+    changed_.notify_all();
     wake_();
 }
 
@@ -144,25 +162,34 @@ void SceneThread::work(const SceneRequest& request)
     const bool active = !request.suspended && renderers_.scene();
     const glm::uvec2 size = request.state.settings.size;
     SceneResult result;
+    setWorking(true);
     if (active && request.meter)
         result.metered = renderers_.meter(request.state, size);
     rendered_ = false;
     if (active && request.pictures) {
-        const auto start = std::chrono::steady_clock::now();
         rendered_ = renderers_.render(request.state, size, report_, stop_);
         if (rendered_) {
-            const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
-            ui::FrameSample sample{.at = glfwGetTime(), .ms = float(ms.count()), .passMs = {}};
-            for (size_t side = 0; side < (request.state.split ? 2u : 1u); ++side)
+            // Of the last frames that have finished: with others in flight, render() returns at once.
+            ui::FrameSample sample{.at = glfwGetTime(), .ms = 0.0f, .passMs = {}};
+            for (size_t side = 0; side < (request.state.split ? 2u : 1u); ++side) {
+                sample.ms += float(report_.sides[side].stats.ms);
                 for (const auto& [pass, passMs] : report_.sides[side].stats.passMs)
                     sample.passMs[pass] += passMs;
+            }
             result.frames.push_back(std::move(sample));
             copyPictures(request.state.split ? 2 : 1);
         }
         result.finished = renderers_.finished();
     }
+    setWorking(false);
     const bool idle = !active || !request.pictures || result.finished;
     publish(request, std::move(result), idle);
+}
+
+void SceneThread::setWorking(bool working)
+{
+    const std::lock_guard lock(mutex_);
+    working_ = working;
 }
 
 void SceneThread::copyPictures(size_t sides)

@@ -38,6 +38,8 @@ public:
     ~SceneThread();
 
     // All below: on the window's thread.
+    // Ends it: no other call may follow. False when it still is at a frame then; tasks are waited for.
+    bool endsWithin(std::chrono::milliseconds time);
     void post(SceneRequest request); // in place of the one before
     bool hasResult() const;          // take() has something
     // Nothing when there is nothing new. Throws what a frame threw.
@@ -60,6 +62,10 @@ public:
     {
         return renderers_.missing(state);
     }
+    std::optional<baker::Method> unfinished(const ui::ViewState& state) const
+    {
+        return renderers_.unfinished(state);
+    }
     PictureStream& pictures(size_t side) { return side == 0 ? left_ : right_; }
 
 private:
@@ -74,6 +80,8 @@ private:
         std::unique_lock<std::mutex> lock_;
     };
     void run();
+    void end();
+    void setWorking(bool working);
     bool pause();
     bool runTasks();
     void work(const SceneRequest& request);
@@ -93,7 +101,8 @@ private:
     SceneRequest current_{.state = {}, .meter = false, .pictures = true, .suspended = true};
     SceneResult result_;
     bool resulted_ = false, ended_ = false;
-    bool idle_ = false; // nothing to do until the next request
+    bool working_ = false, done_ = false; // at a frame; at its end
+    bool idle_ = false;                   // nothing to do until the next request
     int pauses_ = 0;
     std::optional<LuminanceHistogram> metered_; // as published
     std::vector<Task> tasks_;

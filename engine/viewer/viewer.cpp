@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 namespace lumel {
 namespace {
@@ -106,6 +107,14 @@ void Viewer::run()
     }
 }
 
+void Viewer::abandon()
+{
+    constexpr auto kPatience = std::chrono::milliseconds(200);
+    loader_.cancel();
+    if (!thread_->endsWithin(kPatience))
+        _exit(sayInterrupted());
+}
+
 bool Viewer::minimised() const
 {
     return glfwGetWindowAttrib(frontend_.window, GLFW_ICONIFIED) != 0;
@@ -153,6 +162,8 @@ void Viewer::frame()
     const float seconds = float(now - lastFrame_);
     lastFrame_ = now;
     redraws_ = frontend_.input->any() ? kRedrawsOfInput : std::max(redraws_ - 1, 0);
+    if (reported_ && loader_.busy()) // and drawn
+        loader_.proceed();
     collect();
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();
@@ -170,6 +181,7 @@ void Viewer::frame()
     window_->setPresentMode(state_.presentMode);
     finishLoading();
     act(layout);
+    takeWaitingScreenshots();
     changeEnvironment();
     loadMissing();
     if (!minimised()) {
@@ -216,8 +228,10 @@ void Viewer::expose(double seconds)
         exposureKnown_ = true;
         if (std::exchange(exposureAsked_, false)) {
             state_.autoExposure = needsExposure(*histogram);
-            if (!state_.autoExposure)
+            if (!state_.autoExposure) {
+                state_.settings.exposure = 1.0f;
                 return;
+            }
             spdlog::info("exposure {} (auto)", automaticExposure(*histogram));
         }
         adaptation_.aim(automaticExposure(*histogram));
@@ -258,10 +272,10 @@ void Viewer::collect()
     report_.history.insert(report_.history.end(), result->frames.begin(), result->frames.end());
     while (report_.history.size() > kHistory)
         report_.history.pop_front();
-    if (asked_ && !loader_.busy()) {
-        spdlog::info("{}: shown after {:.1f} s", arguments_.scene.string(), glfwGetTime() - *asked_);
-        asked_.reset();
-    }
+    if (uploading_ || (loader_.busy() && !loader_.baking())) // something else
+        return;
+    if (!std::exchange(reported_, true))
+        spdlog::info("{}: shown after {:.1f} s", arguments_.scene.string(), glfwGetTime() - asked_);
 }
 
 void Viewer::show(const ui::Layout& layout)
@@ -328,7 +342,7 @@ void Viewer::setTitle()
 {
     std::string title = scene_ ? arguments_.scene.filename().string() + " - Lumel" : "Lumel";
     if (loader_.busy())
-        title += " (loading)";
+        title += loader_.baking() ? " (baking)" : " (loading)";
     if (title != title_)
         glfwSetWindowTitle(frontend_.window, title.c_str());
     title_ = title;

@@ -18,6 +18,9 @@ public:
 
     // Until the window is closed. Throws Error when the first scene cannot be shown.
     void run();
+    // After Ctrl-C. Ends the process where a frame does not: drivers may compile for seconds, and cannot be
+    // stopped.
+    void abandon();
     std::vector<std::string> validationMessages() const;
 
 private:
@@ -34,8 +37,9 @@ private:
     struct Load {
         // Another scene; a material of the one that is shown, replaced; its materials by another filter.
         enum class Kind { scene, material, filter } kind = Kind::scene;
-        std::filesystem::path file; // the scene, or the material's baked one
-        std::string material;       // its name
+        std::filesystem::path file;                // the scene, or the material's baked one
+        std::string material;                      // its name
+        baker::Method method = baker::Method::fit; // of all materials
     };
     void await();
     double untilRedraw() const;
@@ -56,7 +60,8 @@ private:
     void replaceMaterial(const std::filesystem::path& file, glm::vec2 at, const ui::Layout& layout);
     void ask(std::function<SceneThread::Answer(ViewRenderers&)> work);
     void copyCommand();
-    void takeScreenshot(const char* extension);
+    void takeScreenshot(const char* extension, const ui::ViewState& state);
+    void takeWaitingScreenshots();
     void reloadShaders();
     void toggleFullscreen();
 
@@ -64,6 +69,8 @@ private:
     void beginLoading(const std::filesystem::path& file);
     void finishLoading();
     void take(const std::shared_ptr<scene::LoadedScene>& loaded);
+    void takeBakes();
+    void meterAgain();
     void taken(const Load& load, bool first);
     void loadFailed(const Load& load, const std::string& why);
     void beginView(const Load& load, bool first);
@@ -89,14 +96,17 @@ private:
     std::shared_ptr<const scene::Scene> scene_; // that the renderers have
     scene::Loader loader_;
     bool uploading_ = false; // what it loaded
+    bool baking_ = false;    // and is baking of it
     ui::Inspector inspector_;
     ui::ViewState state_;
     ui::ViewReport report_;
     Load load_;
     std::shared_ptr<const scene::Environment> environment_; // as shown
     std::string environmentName_;
-    std::optional<double> asked_; // when the scene that is not shown yet was, seconds
+    double asked_ = 0.0;    // when the scene was, seconds
+    bool reported_ = false; // that it is shown
     int screenshots_ = 0;
+    std::vector<std::pair<const char*, ui::ViewState>> waiting_; // screenshots whose materials are not baked
     ExposureAdaptation adaptation_;
     bool exposureAsked_ = false; // is automatic exposure needed?
     bool exposureKnown_ = false; // of this view; until then nothing is rendered

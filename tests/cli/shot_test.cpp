@@ -55,6 +55,27 @@ TEST_F(Shot, UnknownCameraAndFormatFail)
     expectOneLine(run({"shot", "square.gltf", "-o", "out.docx"}), 1, "out.docx");
 }
 
+TEST_F(Shot, QuickWaitsForNoBakeAndSaysSo)
+{
+    writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));
+    const auto shoot = [&](const char* file, const std::vector<std::string>& more) {
+        // From so far that coarser levels are seen.
+        std::vector<std::string> arguments{"shot",   "square.gltf", "--eye", "0,0,20",
+                                           "--size", "64x48",       "-o",    file};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+        return outcome.err;
+    };
+    const std::string said = shoot("quick.png", {"--quick"});
+    EXPECT_NE(said.find("square.gltf: 1 of 1 materials are not baked: --quick"), std::string::npos) << said;
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+    EXPECT_NE(shoot("baked.png", {}).find("1 of 1 materials baked"), std::string::npos);
+    EXPECT_EQ(shoot("known.png", {"--quick"}), ""); // from the cache
+    EXPECT_EQ(readText(folder_ / "known.png"), readText(folder_ / "baked.png"));
+    EXPECT_TRUE(readText(folder_ / "quick.png") != readText(folder_ / "baked.png"));
+}
+
 TEST_F(Shot, WhatIsNoEnvironmentFails)
 {
     writeScene(folder_ / "square.gltf", squareScene(folder_ / "square.gltf"));

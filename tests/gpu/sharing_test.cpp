@@ -52,11 +52,38 @@ TEST_F(SharingTest, MaterialsOfAnotherMethodShareTheGeometry)
     TestScene s = sphereScene(maps);
     SceneResources resources = uploadScene(device(), s.scene, s.materials);
     s.materials[0].reflectance = baker::bake(maps, {.method = baker::Method::average});
-    resources.materials = std::make_shared<const MaterialResources>(device(), s.scene, s.materials);
+    resources.materials = std::make_shared<MaterialResources>(device(), s.scene, s.materials);
     for (const Shading shading : {Shading::tsl, Shading::forward}) {
         Renderer sharing(device(), s.scene, resources, settingsFor(shading));
         Renderer alone(device(), s.scene, s.materials, settingsFor(shading));
         EXPECT_EQ(displayOf(sharing).pixels, displayOf(alone).pixels);
+    }
+}
+
+// As the viewer does while it bakes.
+TEST_F(SharingTest, MaterialsThatAreReplacedAreLitAgainInThePlaceOfTheOld)
+{
+    const baker::Maps maps = bumpyMaps(256, 0.3f, 50.0f);
+    for (const Shading shading : {Shading::tsl, Shading::forward, Shading::reference}) {
+        TestScene s = sphereScene(maps);
+        s.add(planeMesh(), plainMaps());
+        const scene::Reflectance baked = s.materials[0].reflectance;
+        const scene::Reflectance placeholder = s.materials[0].reflectance = baker::placeholder(maps, {});
+        const SceneResources resources = uploadScene(device(), s.scene, s.materials);
+        Renderer renderer(device(), s.scene, resources, settingsFor(shading));
+        const Image before = displayOf(renderer);
+        for (int frame = 0; frame < 6; ++frame) // to the state in which nothing is lit
+            displayOf(renderer);
+        const gpu::MemoryReport memory = device().memory().report();
+        resources.materials->replace(device(), 0, placeholder, baked);
+        renderer.changeMaterial(0);
+        EXPECT_EQ(device().memory().report().usedBytes(), memory.usedBytes());
+        const Image after = displayOf(renderer);
+        s.materials[0].reflectance = baked;
+        Renderer fresh(device(), s.scene, s.materials, settingsFor(shading));
+        EXPECT_TRUE(after.pixels == displayOf(fresh).pixels) << int(shading);
+        // The reference reads the finest level, which placeholders have as it is.
+        EXPECT_EQ(before.pixels == after.pixels, shading == Shading::reference) << int(shading);
     }
 }
 

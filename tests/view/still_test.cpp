@@ -51,6 +51,27 @@ TEST_F(StillView, EndsAtThePictureOfShotAfterALightWasMovedAndPutBack)
     EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
 }
 
+// Placeholders first; a screenshot waits for what replaces them.
+TEST_F(StillView, ShowsASceneBeforeItIsBakedAndEndsAtThePictureOfShot)
+{
+    cli::writeHeightMap(folder_ / "first.png", 512, 512);
+    start({"first.gltf", "--size", "700x300", "--validate"});
+    const Window window = display->find("first.gltf - Lumel (baking)");
+    ASSERT_NE(window, 0u) << log();
+    EXPECT_TRUE(says("shown after")) << log();
+    EXPECT_EQ(log().find("baked after"), std::string::npos) << log();
+    display->key("F12");
+    ASSERT_TRUE(appears("lumel-001.txt")) << log();
+    EXPECT_NE(log().find("baked after"), std::string::npos) << log();
+    const Image seen = readImage(folder_ / "lumel-001.png");
+    rerun(readText(folder_ / "lumel-001.txt"));
+    EXPECT_EQ(readImage(folder_ / "lumel-001.png").pixels, seen.pixels);
+    EXPECT_TRUE(endsAtThePictureOfShot(window)) << log();
+    display->key("q", {"Control_L"});
+    EXPECT_EQ(finish(), 0) << log();
+    EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
+}
+
 TEST_F(StillView, RestsWhenNothingChanges)
 {
     start({"first.gltf", "--size", "700x300"});

@@ -184,8 +184,10 @@ TEST_F(View, QuitsWhileBaking)
     start({"first.gltf", "--size", "700x300", "--validate"});
     const Window window = display->find("Lumel (loading)");
     ASSERT_NE(window, 0u) << log();
+    ASSERT_NE(display->find("first.gltf - Lumel (baking)"), 0u) << log();
     display->key("q", {"Control_L"});
     EXPECT_EQ(finish(), 0) << log();
+    EXPECT_EQ(log().find("baked after"), std::string::npos) << log();
     EXPECT_EQ(log().find("vulkan:"), std::string::npos) << log();
 }
 

@@ -166,7 +166,7 @@ void ShadowPass::prepare(Frame& in)
     for (const GpuObject& object : scene.objects()) {
         if (!object.casts)
             continue;
-        moved = std::max(moved, object.data.changed);
+        moved = std::max(moved, object.moved);
         const Bounds bounds = worldBounds(object);
         bounds_.add(bounds.lower);
         bounds_.add(bounds.upper);

@@ -11,8 +11,9 @@ struct GpuObject {
     const GpuTexelMap* texelMap = nullptr; // null: not to be lit in texture space
     vk::Buffer vertices, indices;
     uint32_t firstVertex = 0, firstIndex = 0, indexCount = 0;
-    Bounds bounds;     // object space
-    int deformed = -1; // in SceneState::deformedMeshes()
+    Bounds bounds;      // object space
+    uint32_t moved = 0; // frame in which it last did, or its shape
+    int deformed = -1;  // in SceneState::deformedMeshes()
     bool blend = false;
     bool coloured = false; // its vertices have colours
     bool casts = true;     // a shadow

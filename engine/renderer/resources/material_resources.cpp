@@ -41,6 +41,18 @@ MaterialResources::MaterialResources(const gpu::Device& device, const scene::Sce
     batch.finish();
 }
 
+void MaterialResources::replace(const gpu::Device& device, size_t material, const scene::Reflectance& before,
+                                const scene::Reflectance& after)
+{
+    const GpuMaterial& maps = materials_[material];
+    gpu::UploadBatch batch(device);
+    refillChain(batch, maps.normal, before.normal, after.normal);
+    refillChain(batch, maps.specular, before.specular, after.specular);
+    refillChain(batch, maps.diffuse, before.diffuse, after.diffuse);
+    refillChain(batch, maps.base, before.base, after.base);
+    batch.finish();
+}
+
 vk::Sampler MaterialResources::samplerOf(const scene::UvMapping& uv) const
 {
     return *samplers_[size_t(uv.wrapU) + kAddressModes.size() * size_t(uv.wrapV)];

@@ -1,5 +1,5 @@
-// A scene's materials on the GPU, baked by one method. They never change: all renderers that show this bake
-// share them.
+// A scene's materials on the GPU, baked by one method. All renderers that show this bake share them. Their
+// maps stay where they are: only what these hold may change, as placeholders are replaced.
 #pragma once
 #include "gpu/pipeline.h"
 #include "gpu/upload.h"
@@ -22,6 +22,10 @@ public:
                       const std::vector<scene::BakedMaterial>& baked);
 
     const std::vector<GpuMaterial>& all() const { return materials_; } // in the scene's order
+    // Fills a material's maps with what it reflects now, in place of `before`: of the same sizes. Frames in
+    // flight still see that; renderers light what they show of it again by Renderer::changeMaterial().
+    void replace(const gpu::Device& device, size_t material, const scene::Reflectance& before,
+                 const scene::Reflectance& after);
     // Of all their sets.
     const gpu::SetLayout& layout() const { return layout_; }
 

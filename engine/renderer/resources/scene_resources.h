@@ -1,4 +1,4 @@
-// What the renderers of a scene share: everything of it that is large and never changes.
+// What the renderers of a scene share: everything of it that is large.
 #pragma once
 #include "environment_map.h"
 #include "geometry_resources.h"
@@ -9,7 +9,7 @@ namespace lumel {
 
 struct SceneResources {
     std::shared_ptr<const GeometryResources> geometry;
-    std::shared_ptr<const MaterialResources> materials;
+    std::shared_ptr<MaterialResources> materials;
     std::shared_ptr<const EnvironmentMap> environment; // may be of no environment, is never null
 };
 

@@ -19,7 +19,7 @@ SceneState::SceneState(const gpu::Device& device, const scene::Scene& scene, con
 void SceneState::moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame)
 {
     if (place(objects_[object], worldFromObject, deformed_))
-        objects_[object].data.changed = changed_ = frame;
+        objects_[object].data.changed = objects_[object].moved = changed_ = frame;
 }
 
 void SceneState::deform(const scene::Shapes& shapes, uint32_t frame)
@@ -28,8 +28,15 @@ void SceneState::deform(const scene::Shapes& shapes, uint32_t frame)
     for (GpuObject& object : objects_)
         if (object.deformed >= 0 && moved[size_t(object.deformed)]) {
             takeShape(object, deformed_);
-            object.data.changed = changed_ = frame;
+            object.data.changed = object.moved = changed_ = frame;
         }
+}
+
+void SceneState::changeMaterial(size_t material, uint32_t frame)
+{
+    for (GpuObject& object : objects_)
+        if (object.material == &resources_.materials->all()[material])
+            object.data.changed = changed_ = frame;
 }
 
 bool SceneState::changedSince(size_t object, uint32_t frame) const

@@ -1,5 +1,5 @@
 // The scene as one renderer shows it: where its objects are, how they are deformed, what lights them. What is
-// large and never changes is in SceneResources.
+// large is in SceneResources.
 #pragma once
 #include "gpu_object.h"
 #include "scene_lights.h"
@@ -28,7 +28,8 @@ public:
     // As of `frame`. What has changed is lit again.
     void moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame);
     void deform(const scene::Shapes& shapes, uint32_t frame); // all that has joints or morph targets
-    uint32_t moved() const { return changed_; }               // frame of the last change to objects
+    void changeMaterial(size_t material, uint32_t frame);
+    uint32_t moved() const { return changed_; } // frame of the last change to objects
     // Frame of the last change to lights or objects.
     uint32_t changed() const { return std::max(changed_, lights_.changed()); }
     // Has the object moved in this frame or later, or a light that may reach it?

@@ -1,14 +1,34 @@
 #include "upload.h"
+#include <algorithm>
 #include <glm/gtc/packing.hpp>
 
 namespace lumel {
 
-gpu::Image uploadChain(gpu::UploadBatch& batch, const scene::HalfChain& chain, const std::string& name)
+namespace {
+
+std::vector<std::span<const uint16_t>> levelsOf(const scene::HalfChain& chain)
 {
     std::vector<std::span<const uint16_t>> levels;
     for (size_t level = 0; level < chain.levels(); ++level)
         levels.push_back(chain.texels(level));
-    return batch.halfImage(uint32_t(chain.size().x), uint32_t(chain.size().y), levels, name);
+    return levels;
+}
+
+} // namespace
+
+gpu::Image uploadChain(gpu::UploadBatch& batch, const scene::HalfChain& chain, const std::string& name)
+{
+    return batch.halfImage(uint32_t(chain.size().x), uint32_t(chain.size().y), levelsOf(chain), name);
+}
+
+void refillChain(gpu::UploadBatch& batch, const gpu::Image& image, const scene::HalfChain& before,
+                 const scene::HalfChain& after)
+{
+    uint32_t first = 0;
+    while (first < after.levels() && std::ranges::equal(before.texels(first), after.texels(first)))
+        ++first;
+    if (first < after.levels())
+        batch.refill(image, first, levelsOf(after));
 }
 
 gpu::Buffer uploadColours(gpu::UploadBatch& batch, const scene::Mesh& mesh)

@@ -7,6 +7,9 @@
 namespace lumel {
 
 gpu::Image uploadChain(gpu::UploadBatch& batch, const scene::HalfChain& chain, const std::string& name);
+// Of one that holds `before`, of the same size: levels that do not differ are left out.
+void refillChain(gpu::UploadBatch& batch, const gpu::Image& image, const scene::HalfChain& before,
+                 const scene::HalfChain& after);
 // Of vertices, four half floats each; nothing where there are none.
 gpu::Buffer uploadColours(gpu::UploadBatch& batch, const scene::Mesh& mesh);
 

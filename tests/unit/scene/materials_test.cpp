@@ -116,6 +116,57 @@ TEST_F(Materials, SecondTimeComesFromTheCacheAndIsTheSame)
     expectEqual(first[0], second[0]);
 }
 
+TEST_F(Materials, PlaceholdersAreReplacedOneByOneByWhatIsBaked)
+{
+    options.method = baker::Method::fit;
+    scene.materials.push_back(scene.materials[0]);
+    scene.materials.push_back(scene.materials[0]); // equal to the first
+    scene.materials[1].roughness = 0.3f;
+    MaterialBaker baker(scene, options);
+    std::vector<BakedMaterial> shown = baker.placeholders();
+    EXPECT_EQ(baker.pending(), (std::set<size_t>{0, 1, 2}));
+    EXPECT_TRUE(cached().empty());
+    std::vector<std::vector<size_t>> order;
+    while (const auto bake = baker.next()) {
+        for (const size_t material : bake->materials)
+            shown[material].reflectance = bake->reflectance;
+        order.push_back(bake->materials);
+        EXPECT_EQ(cached().size(), 2 * order.size()) << "each is stored at once";
+    }
+    EXPECT_EQ(order, (std::vector<std::vector<size_t>>{{0, 2}, {1}}));
+    options.useCache = false;
+    const auto baked = bakeMaterials(scene, options);
+    for (size_t i = 0; i < baked.size(); ++i)
+        expectEqual(shown[i], baked[i]);
+    options.useCache = true;
+    MaterialBaker again(scene, options);
+    again.placeholders();
+    EXPECT_TRUE(again.pending().empty());
+}
+
+TEST_F(Materials, PlaceholdersHaveTheSizesAndTheFinestLevelOfWhatIsBaked)
+{
+    options.method = baker::Method::fit;
+    MaterialBaker baker(scene, options);
+    const BakedMaterial placeholder = baker.placeholders()[0];
+    const BakedMaterial baked = bakeMaterials(scene, options)[0];
+    expectEqual(placeholder.emissive, baked.emissive);
+    expectEqual(placeholder.reflectance.base, baked.reflectance.base);
+    ASSERT_EQ(placeholder.reflectance.levels(), baked.reflectance.levels());
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x)
+            EXPECT_EQ(placeholder.reflectance.at(0, x, y), baked.reflectance.at(0, x, y));
+}
+
+TEST_F(Materials, QuickIsWhatThePlaceholdersAre)
+{
+    options.method = baker::Method::fit;
+    options.quick = true;
+    const auto quick = bakeMaterials(scene, options);
+    EXPECT_TRUE(cached().empty());
+    expectEqual(quick[0], MaterialBaker(scene, options).placeholders()[0]);
+}
+
 TEST_F(Materials, HitsDecodeNothing)
 {
     const BakeCache cache(scene, options);
