@@ -105,8 +105,9 @@ static SceneArguments argumentsOf(size_t side, const ViewRenderers& renderers, c
 {
     SceneArguments a = given;
     a.settings = renderers.settings(side);
-    a.settings.shading = state.sides[side].shading; // its first frame may have been shaded otherwise
-    a.settings.budgetMs = 0.0;                      // its quality depends on the machine's load
+    a.settings.shading = state.sides[side].shading; // its first frame may have been another
+    a.settings.edgeFilter = state.settings.edgeFilter;
+    a.settings.budgetMs = 0.0; // its quality depends on the machine's load
     a.settings.residency = ResidencyFrom::exact;
     a.settings.framesInFlight = Settings().framesInFlight;
     if (a.settings.shading == Shading::reference)

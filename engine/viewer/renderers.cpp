@@ -239,10 +239,10 @@ ViewRenderers::Slot& ViewRenderers::prepareSide(const ui::ViewState& state, glm:
     Settings settings = state.settings;
     settings.size = size;
     Slot& slot = slots_[i];
-    // The pipelines of forward shading are few: where they all are compiled first, there is a picture at
-    // once.
+    // The pipelines of plain forward shading are few: where all are still to be compiled, it is there sooner.
     const bool soon = slot.isFirst && side.shading == Shading::tsl && settings.budgetMs > 0.0;
     settings.shading = soon ? Shading::forward : side.shading;
+    settings.edgeFilter = settings.edgeFilter && !soon;
     if (materials(side.filter)) // else the old ones, until these are baked
         prepare(slot, state, side.filter, settings);
     else if (slot.renderer)
