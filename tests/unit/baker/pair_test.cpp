@@ -37,7 +37,7 @@ OracleLobe secondLobe(const float* s)
 }
 
 // E of both lobes of a texel as they are stored, by brute force.
-double pairError(const ReflectanceMips& mips, size_t level, int x, int y, int cells = 300)
+double pairError(const ReflectanceMips& mips, size_t level, int x, int y, int cells = 200)
 {
     const std::vector<OracleLobe> under = lobesUnder(mips, level, x, y);
     std::vector<OracleLobe> fit = {oracleLobe(mips.levels[level].at(x, y))};
