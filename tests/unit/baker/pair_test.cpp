@@ -237,13 +237,11 @@ TEST(Pairs, DoNotDependOnThreads)
         Options options = withLobes(LobeCount::automatic);
         options.threads = 1;
         const ReflectanceMips one = bake(maps, options);
-        for (const int threads : {2, 5}) {
-            options.threads = threads;
-            const ReflectanceMips more = bake(maps, options);
-            for (size_t l = 0; l < one.levels.size(); ++l) {
-                EXPECT_EQ(one.levels[l].texels, more.levels[l].texels) << threads << " threads, level " << l;
-                EXPECT_EQ(one.levels[l].second, more.levels[l].second) << threads << " threads, level " << l;
-            }
+        options.threads = 2;
+        const ReflectanceMips two = bake(maps, options);
+        for (size_t l = 0; l < one.levels.size(); ++l) {
+            EXPECT_EQ(one.levels[l].texels, two.levels[l].texels) << "level " << l;
+            EXPECT_EQ(one.levels[l].second, two.levels[l].second) << "level " << l;
         }
     }
 }
