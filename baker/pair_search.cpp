@@ -239,8 +239,12 @@ void Solver::fitPairs(const Selection& selection, Family family)
     }
     std::vector<FoundPair> found;
     runPairs(starts, family, Against::children, kRoughEvaluations, found);
-    for (size_t i = 0; i < starts.size(); ++i)
+    for (size_t i = 0; i < starts.size(); ++i) {
         std::ranges::copy(found[i].shape, starts[i].shape);
+        Texel& texel = texels_[starts[i].texel];
+        if (texel.listedCount > 0 && !isGaussian(found[i], texel.best[family].error))
+            addNodes(texel);
+    }
     runPairs(starts, family, Against::average, kTrialEvaluations, found);
     starts = bestOf(starts, found);
     runPairs(starts, family, Against::average, kExactEvaluations, found);
@@ -249,7 +253,8 @@ void Solver::fitPairs(const Selection& selection, Family family)
         const float single = texel.best[family].error, both = found[i].error;
         const bool isWorth =
             automatic ? both <= (1.0f - kLeastShare) * single && both <= single - kLeastGain : both < single;
-        if (isWorth && found[i].ks[0] > 0.0f && found[i].ks[1] > 0.0f)
+        const bool isTrusted = texel.listedCount == 0 || isGaussian(found[i], single);
+        if (isWorth && isTrusted && found[i].ks[0] > 0.0f && found[i].ks[1] > 0.0f)
             texel.pair = found[i].ks[0] >= found[i].ks[1] ? found[i] : swapped(found[i]);
     }
 }

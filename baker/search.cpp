@@ -186,6 +186,13 @@ bool Solver::isGaussian(const Found& found) const
            found.error > -kQuadratureError && s.nx * s.nx + s.ny * s.ny < kSteepTilt;
 }
 
+// The same for two lobes, whose overlaps are judged as those of one lobe with its error.
+bool Solver::isGaussian(const FoundPair& pair, float oneLobe) const
+{
+    return pair.error > -kQuadratureError && isGaussian({pair.shape[0], oneLobe}) &&
+           isGaussian({pair.shape[1], oneLobe});
+}
+
 // Are minima of the mixture no guide to those of the error?
 bool Solver::isAstray(const Found& found) const
 {

@@ -264,8 +264,6 @@ void Solver::solve()
         if (isotropic)
             fitIsotropic(settle(selection, kIsotropic));
         polish(selection, isotropic);
-        if (options_.lobes != LobeCount::one)
-            fitPairs(selection, isotropic ? kIsotropic : kAnisotropic);
         mergeLists(selection);
     }
     for (const Texel& texel : texels_) {
@@ -273,9 +271,13 @@ void Solver::solve()
         write(texel, texel.best[isotropic ? kIsotropic : kAnisotropic], texel.task.texel, ownKs);
         if (texel.task.oneLobe)
             write(texel, texel.best[kAnisotropic], texel.task.oneLobe, ownKs);
+    }
+    // This may put nodes in place of lists, so single lobes are written before.
+    if (options_.lobes != LobeCount::one)
+        fitPairs(selection, isotropic ? kIsotropic : kAnisotropic);
+    for (const Texel& texel : texels_)
         if (texel.pair.error < kNoError)
             writePair(texel);
-    }
     texels_.clear();
     terms_.clear();
     listed_.clear();

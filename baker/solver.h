@@ -97,6 +97,7 @@ private:
     // Sums at nodes in place of lists where lobes are no Gaussians.
     void addNodes(Texel& texel);
     bool isGaussian(const Found& found) const;
+    bool isGaussian(const FoundPair& pair, float oneLobe) const;
     bool isAstray(const Found& found) const;
     void polish(const Selection& selection, bool isotropicToo);
     // Closed forms; returns where a search is needed.
