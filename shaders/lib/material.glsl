@@ -2,6 +2,7 @@
 #ifndef LUMEL_MATERIAL_GLSL
 #define LUMEL_MATERIAL_GLSL
 #include "lib/surface.glsl"
+#include "shared/moments.h"
 #include "shared/tint.h"
 
 layout(set = 1, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
