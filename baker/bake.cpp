@@ -31,13 +31,20 @@ const char* nameOf(Method method)
 struct MemorySink : LevelSink {
     std::vector<Level>& levels;
     explicit MemorySink(std::vector<Level>& to) : levels(to) {}
-    void rows(int number, int width, int height, int firstRow, int count, const float* texels) override
+    void begin(bool) override {}
+    void rows(int number, int width, int height, int firstRow, int count, const float* texels,
+              const float* second) override
     {
-        const size_t row = size_t(width) * kChannels;
         if (firstRow == 0)
-            levels.push_back({width, height, std::vector<float>(row * size_t(height))});
-        std::copy_n(texels, row * size_t(count),
-                    levels[size_t(number)].texels.begin() + ptrdiff_t(row) * firstRow);
+            levels.push_back({width, height, {}, {}});
+        Level& level = levels[size_t(number)];
+        const auto append = [&](std::vector<float>& to, const float* from, size_t channels) {
+            to.reserve(size_t(width) * size_t(height) * channels);
+            to.insert(to.end(), from, from + size_t(width) * size_t(count) * channels);
+        };
+        append(level.texels, texels, kChannels);
+        if (second)
+            append(level.second, second, kSecondChannels);
     }
 };
 

@@ -11,7 +11,9 @@
 
 namespace lumel::baker {
 
-inline constexpr const char* kVersion = "5"; // part of the cache key: raise when results change
+inline constexpr const char* kVersion = "6"; // part of the cache key: raise when results change
+// Files of this version hold one lobe a texel and are still read.
+inline constexpr const char* kOneLobeVersion = "5";
 
 // fitPower is the talk's cheap mode: N stays the average, P and Ks are fitted.
 enum class Method { fit, average, flat, height, toksvig, lean, fitPower };
@@ -25,8 +27,14 @@ enum class Wrap { repeat, clamp };
 // What a texel represents: the box it covers, or its bilinear footprint (tent.h).
 enum class Reconstruction { box, bilinear };
 
+// Lobes of a texel above level 0. Automatic: a second one where it lowers E by a quarter and by 0.005.
+enum class LobeCount { one, two, automatic };
+
 // One texel of a baked level; the order of the file's channels.
 enum Channel { kNx, kNy, kSxx, kSxy, kSyy, kKsR, kKsG, kKsB, kKdR, kKdG, kKdB, kError, kChannels };
+// Its second lobe, F = F1 + F2.
+enum SecondChannel { kN2x, kN2y, kS2xx, kS2xy, kS2yy, kKs2R, kKs2G, kKs2B, kSecondChannels };
+inline constexpr float kNoSecondLobe[kSecondChannels] = {0, 0, 1, 0, 1, 0, 0, 0}; // reflects nothing
 
 // Maps may differ in size; the chain has the size of the largest one, the others are resampled
 // bilinearly. Empty images mean "use the constant". Images are linear; heights and normals as decoded
@@ -63,6 +71,7 @@ struct Options {
     // A closed form whose E is below this stays, and that much may E rise by what makes the fit fast: texels
     // are fitted to mixtures of lobes in place of sums at quadrature nodes. 0: the exact fit throughout.
     float precision = 0.002f;
+    LobeCount lobes = LobeCount::one; // of the method fit; the others have one
     // Closed forms state the mean Ks, which keeps the energy of a lobe of their shape. With this they get the
     // Ks of least error instead, <G, f> / <f, f>, as the fit does: comparisons use that.
     bool bestKs = false;
@@ -72,7 +81,13 @@ struct Level {
     int width = 0;
     int height = 0;
     std::vector<float> texels; // width * height * kChannels, row-major, row 0 on top
+    // width * height * kSecondChannels; empty on level 0 and in chains without a second lobe.
+    std::vector<float> second;
     const float* at(int x, int y) const { return texels.data() + (size_t(y) * width + x) * kChannels; }
+    const float* secondAt(int x, int y) const
+    {
+        return second.data() + (size_t(y) * width + x) * kSecondChannels;
+    }
 };
 
 struct ReflectanceMips {
@@ -91,7 +106,11 @@ glm::vec2 anisotropicRoughness(float perceptualRoughness, float strength);
 struct LevelSink {
     static constexpr int kBand = 64; // rows per call, fewer for the last of a level
     virtual ~LevelSink() = default;
-    virtual void rows(int number, int width, int height, int firstRow, int count, const float* texels) = 0;
+    // Called once, first. With second lobes, rows() gets some from level 1 on.
+    virtual void begin(bool secondLobes) = 0;
+    // `second` is null where a level has no second lobes.
+    virtual void rows(int number, int width, int height, int firstRow, int count, const float* texels,
+                      const float* second) = 0;
 };
 
 // Bakes all levels. Throws Error for unusable maps (none given, both height and normal, zero size, NaN)
@@ -109,9 +128,11 @@ std::string sourceHash(const Maps& maps, const Options& options);
 
 // Rounds a texel to half floats, so that it is still a lobe: finite, and S positive definite.
 void quantise(float* texel);
+void quantiseSecond(float* texel); // kSecondChannels
 
 // OpenEXR (baker/README.md): tiled, MIPMAP_LEVELS, half (or float), channels by name
-// (N.x N.y S.xx S.xy S.yy Ks.R Ks.G Ks.B Kd.R Kd.G Kd.B E), metadata lumel:*. Atomic.
+// (N.x N.y S.xx S.xy S.yy Ks.R Ks.G Ks.B Kd.R Kd.G Kd.B E, and N2.x to Ks2.B where there are second lobes),
+// metadata lumel:*. Atomic.
 void writeExr(const std::filesystem::path& file, const ReflectanceMips& mips, bool asFloat = false);
 // Writes levels as they are finished; the result holds no texels.
 ReflectanceMips bakeExr(const std::filesystem::path& file, const Maps& maps, const Options& options,

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "fine.h"
 #include "footprint.h"
+#include "lobe_order.h"
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -13,10 +14,27 @@ namespace {
 // averages of finer ones.
 constexpr int kFirstCoarseLevel = 3;
 constexpr int kBlock = 32; // level-0 texels that are worked on at once, on each axis
+
+// Of a texel, or of its second lobe: both begin alike.
+TexelTask::Child childOf(const float* t, float share)
+{
+    return {
+        {t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]}, float(luminance({t[kKsR], t[kKsG], t[kKsB]})), share};
+}
+
+bool hasSecondLobe(const Level& level)
+{
+    for (size_t i = 0; i < level.second.size(); i += kSecondChannels)
+        if (level.second[i + kKs2R] + level.second[i + kKs2G] + level.second[i + kKs2B] > 0.0f)
+            return true;
+    return false;
+}
+
 } // namespace
 
 Chain::Chain(const Maps& maps, const Options& options, Progress* progress)
     : maps_(maps), options_(options), progress_(progress), source_(maps),
+      fitsPairs_(options.method == Method::fit && options.lobes != LobeCount::one),
       usesLists_(isFitted(options.method) && options.precision > 0.0f && !source_.constantPower())
 {
     // For that method, and as a guess that no fit may lose to.
@@ -30,7 +48,7 @@ void Chain::allocate(std::vector<Level>& levels, int first) const
     const int count = levelCount(source_.width(), source_.height());
     for (int number = 0; number < count; ++number) {
         const int width = levelSize(source_.width(), number), height = levelSize(source_.height(), number);
-        levels.push_back({width, height, {}});
+        levels.push_back({width, height, {}, {}});
         if (number >= first)
             levels.back().texels.resize(size_t(width) * size_t(height) * kChannels);
     }
@@ -48,10 +66,24 @@ void Chain::run(LevelSink& sink)
         advance(number,
                 size_t(levelSize(source_.width(), number)) * size_t(levelSize(source_.height(), number)));
     allocate(levels_, first);
-    if (isFitted(options_.method) && options_.model == Model::blinnPhong)
-        allocate(anisotropic_, first);
+    if (fitsPairs_ || (isFitted(options_.method) && options_.model == Model::blinnPhong))
+        allocate(oneLobe_, first);
+    if (fitsPairs_) {
+        allocatePairs();
+        fitLevels(nullptr);
+        finishPairs(sink);
+        return;
+    }
+    sink.begin(false);
     if (reduce == 0)
         writeBase(sink);
+    fitLevels(&sink);
+}
+
+// Each level goes to the sink, if there is one, as soon as it is finished.
+void Chain::fitLevels(LevelSink* sink)
+{
+    const int count = int(levels_.size()), reduce = options_.reduce, first = std::max(1, reduce);
     std::unique_ptr<CoarseCells> cells;
     if (count > kFirstCoarseLevel)
         cells = std::make_unique<CoarseCells>(*this, std::max(kFirstCoarseLevel, reduce));
@@ -64,11 +96,41 @@ void Chain::run(LevelSink& sink)
         if (cells)
             cells->gatherCells();
     }
-    write(sink, first, coarse);
+    if (sink)
+        write(*sink, first, coarse);
     for (int number = coarse; number < count; ++number) {
         cells->solveLevel(number);
-        write(sink, number, number + 1);
+        if (sink)
+            write(*sink, number, number + 1);
     }
+}
+
+// The finest level of the output has one lobe.
+void Chain::allocatePairs()
+{
+    for (size_t number = size_t(options_.reduce) + 1; number < levels_.size(); ++number) {
+        Level& level = levels_[number];
+        const size_t count = size_t(level.width) * size_t(level.height);
+        level.second.reserve(count * kSecondChannels);
+        for (size_t i = 0; i < count; ++i)
+            level.second.insert(level.second.end(), kNoSecondLobe, kNoSecondLobe + kSecondChannels);
+    }
+}
+
+// Only now is it known whether the output has second lobes.
+void Chain::finishPairs(LevelSink& sink)
+{
+    oneLobe_.clear();
+    const bool any = std::ranges::any_of(levels_, hasSecondLobe);
+    if (any)
+        orderLobes(levels_, maps_.wrap);
+    else
+        for (Level& level : levels_)
+            level.second = {};
+    sink.begin(any);
+    if (options_.reduce == 0)
+        writeBase(sink);
+    write(sink, std::max(1, options_.reduce), int(levels_.size()));
 }
 
 // Hands over the levels from `from` up to `to`; the last of them stays, for the next to start from.
@@ -76,10 +138,11 @@ void Chain::write(LevelSink& sink, int from, int to)
 {
     for (int number = from; number < to; ++number) {
         const Level& level = levels_[size_t(number)];
-        sink.rows(number - options_.reduce, level.width, level.height, 0, level.height, level.texels.data());
-        for (auto* levels : {&levels_, &anisotropic_})
+        sink.rows(number - options_.reduce, level.width, level.height, 0, level.height, level.texels.data(),
+                  level.second.empty() ? nullptr : level.second.data());
+        for (auto* levels : {&levels_, &oneLobe_})
             if (number > 0 && !levels->empty())
-                (*levels)[size_t(number - 1)].texels = {};
+                (*levels)[size_t(number - 1)].texels = (*levels)[size_t(number - 1)].second = {};
     }
 }
 
@@ -108,7 +171,7 @@ void Chain::writeBase(LevelSink& sink) const
         });
         if (progress_)
             progress_->advance(0); // Ctrl-C
-        sink.rows(0, source_.width(), source_.height(), from, to - from, band.data());
+        sink.rows(0, source_.width(), source_.height(), from, to - from, band.data(), nullptr);
     }
 }
 
@@ -130,9 +193,11 @@ TexelTask Chain::makeTask(int number, int x, int y, const Cell& cell)
     Level& level = levels_[size_t(number)];
     const size_t offset = (size_t(y) * size_t(level.width) + size_t(x)) * kChannels;
     task.texel = level.texels.data() + offset;
-    const bool both = !anisotropic_.empty();
+    if (!level.second.empty())
+        task.second = level.second.data() + offset / kChannels * kSecondChannels;
+    const bool both = !oneLobe_.empty();
     if (both)
-        task.anisotropicFit = anisotropic_[size_t(number)].texels.data() + offset;
+        task.oneLobe = oneLobe_[size_t(number)].texels.data() + offset;
     task.uniform = cell.uniform && isFitted(options_.method);
     task.fixed = task.uniform || !isFitted(options_.method);
     task.heights = heights_.get();
@@ -147,18 +212,24 @@ TexelTask Chain::makeTask(int number, int x, int y, const Cell& cell)
         return task;
     }
     // The finer level's lobes under this texel. An isotropic chain takes them from the anisotropic fits
-    // beside it, which say more about G and make both models search from the same guesses.
-    const Level& finer = (both ? anisotropic_ : levels_)[size_t(number - 1)];
+    // beside it, which say more about G and make both models search from the same guesses; so does a chain
+    // with second lobes, whose single lobes then are those of a chain without.
+    const Level& finer = (both ? oneLobe_ : levels_)[size_t(number - 1)];
     if (finer.texels.empty())
         return task;
+    const Level& pairs = levels_[size_t(number - 1)];
     const Footprint fx(x, level.width, finer.width), fy(y, level.height, finer.height);
     const double area = (fx.end - fx.begin) * (fy.end - fy.begin);
     for (int j = fy.first; j < fy.last; ++j)
         for (int i = fx.first; i < fx.last; ++i) {
-            const float* t = finer.at(i, j);
-            const float ks = float(luminance({t[kKsR], t[kKsG], t[kKsB]}));
-            task.children[size_t(task.childCount++)] = {
-                {t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]}, ks, float(fx.weight(i) * fy.weight(j) / area)};
+            const float share = float(fx.weight(i) * fy.weight(j) / area);
+            task.children[size_t(task.childCount++)] = childOf(finer.at(i, j), share);
+            if (pairs.second.empty())
+                continue;
+            task.finerLobes[size_t(task.finerCount++)] = childOf(pairs.at(i, j), share);
+            const TexelTask::Child second = childOf(pairs.secondAt(i, j), share);
+            if (second.ks > 0.0f)
+                task.finerLobes[size_t(task.finerCount++)] = second;
         }
     return task;
 }

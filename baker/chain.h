@@ -17,6 +17,10 @@ public:
 private:
     void writeBase(LevelSink& sink) const;
     void write(LevelSink& sink, int from, int to);
+    void allocatePairs();
+    void fitLevels(LevelSink* sink);
+    // Second lobes wanted: all levels, then their labels, then the output.
+    void finishPairs(LevelSink& sink);
     void allocate(std::vector<Level>& levels, int first) const;
     // Levels whose texels cover few lobes: one level after the other, or where texels nest and can share
     // nodes with the cells, all up to the cells at once.
@@ -31,10 +35,11 @@ private:
     const Options& options_;
     Progress* progress_;
     Source source_;
+    bool fitsPairs_; // second lobes where they are worth it
     bool usesLists_; // fits to lists of lobes, not to sums at quadrature nodes
     std::unique_ptr<HeightMips> heights_;
     std::vector<Level> levels_;
-    std::vector<Level> anisotropic_;        // anisotropic fits beside an isotropic chain
+    std::vector<Level> oneLobe_;            // fits of one anisotropic lobe, beside a chain of others
     std::vector<std::atomic<size_t>> done_; // texels of each level, for progress
 
     friend class FineTile;

@@ -14,6 +14,8 @@ namespace {
 
 constexpr const char* kChannelNames[kChannels] = {"N.x",  "N.y",  "S.xx", "S.xy", "S.yy", "Ks.R",
                                                   "Ks.G", "Ks.B", "Kd.R", "Kd.G", "Kd.B", "E"};
+constexpr const char* kSecondNames[kSecondChannels] = {"N2.x",  "N2.y",  "S2.xx", "S2.xy",
+                                                       "S2.yy", "Ks2.R", "Ks2.G", "Ks2.B"};
 constexpr float kMaxHalf = 65504.0f;
 constexpr int kTileSize = 64;
 // Of a file whose texels are all the same: RLE keeps 3, ZIP 43. More is declared by damaged headers only, and
@@ -35,10 +37,24 @@ float roundToHalf(float v)
     return std::bit_cast<float>((bits + 0xfffu + ((bits >> 13) & 1u)) & ~0x1fffu);
 }
 
-OIIO::ImageSpec makeSpec(const ReflectanceMips& mips, int width, int height, bool asFloat)
+// One lobe as it is stored: the first five channels and three of Ks.
+bool isLobe(const float* t)
 {
-    OIIO::ImageSpec spec(width, height, kChannels, asFloat ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::HALF);
+    bool good = true;
+    for (int c = 0; c < kSecondChannels; ++c)
+        good = good && std::isfinite(t[c]);
+    good = good && t[kNx] * t[kNx] + t[kNy] * t[kNy] <= 1.0f;
+    return good && t[kSxx] > 0.0f && t[kSyy] > 0.0f && t[kSxx] * t[kSyy] > t[kSxy] * t[kSxy];
+}
+static_assert(int(kN2x) == int(kNx) && int(kS2xy) == int(kSxy) && int(kKs2B) == int(kKsB));
+
+OIIO::ImageSpec makeSpec(const ReflectanceMips& mips, int width, int height, bool asFloat, bool secondLobes)
+{
+    const int channels = kChannels + (secondLobes ? int(kSecondChannels) : 0);
+    OIIO::ImageSpec spec(width, height, channels, asFloat ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::HALF);
     spec.channelnames.assign(kChannelNames, kChannelNames + kChannels);
+    if (secondLobes)
+        spec.channelnames.insert(spec.channelnames.end(), kSecondNames, kSecondNames + kSecondChannels);
     spec.alpha_channel = -1;
     spec.z_channel = -1;
     spec.tile_width = spec.tile_height = kTileSize;
@@ -64,15 +80,20 @@ public:
             fail(OIIO::geterror());
     }
 
-    void rows(int number, int width, int height, int firstRow, int count, const float* texels) override
+    void begin(bool secondLobes) override { secondLobes_ = secondLobes; }
+
+    void rows(int number, int width, int height, int firstRow, int count, const float* texels,
+              const float* second) override
     {
         const auto mode = number == 0 ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendMIPLevel;
         if (firstRow == 0 &&
-            !output_->open(temporary_.string(), makeSpec(mips_, width, height, asFloat_), mode))
+            !output_->open(temporary_.string(), makeSpec(mips_, width, height, asFloat_, secondLobes_), mode))
             fail(output_->geterror());
-        for (int row = firstRow; row < firstRow + count; row += kBand)
-            writeBand(width, row, std::min(kBand, firstRow + count - row),
-                      texels + size_t(row - firstRow) * size_t(width) * kChannels);
+        for (int row = firstRow; row < firstRow + count; row += kBand) {
+            const size_t first = size_t(row - firstRow) * size_t(width);
+            writeBand(width, row, std::min(kBand, firstRow + count - row), texels + first * kChannels,
+                      second ? second + first * kSecondChannels : nullptr);
+        }
     }
 
     void close()
@@ -87,15 +108,24 @@ private:
         throw Error(fmt::format("{}: cannot be written ({})", name_.string(), firstLine(why)));
     }
 
-    void writeBand(int width, int firstRow, int count, const float* texels)
+    void writeBand(int width, int firstRow, int count, const float* texels, const float* second)
     {
-        const size_t values = size_t(width) * size_t(count) * kChannels;
-        band_.assign(texels, texels + values);
-        if (!asFloat_)
-            tbb::parallel_for(size_t(0), size_t(count), [&](size_t row) {
-                for (size_t i = 0; i < size_t(width); ++i)
-                    quantise(&band_[(row * size_t(width) + i) * kChannels]);
-            });
+        const size_t channels = kChannels + (secondLobes_ ? size_t(kSecondChannels) : 0);
+        band_.resize(size_t(width) * size_t(count) * channels);
+        tbb::parallel_for(size_t(0), size_t(count), [&](size_t row) {
+            for (size_t i = row * size_t(width); i < (row + 1) * size_t(width); ++i) {
+                float* to = &band_[i * channels];
+                std::copy_n(texels + i * kChannels, +kChannels, to);
+                if (!asFloat_)
+                    quantise(to);
+                if (!secondLobes_)
+                    continue;
+                std::copy_n(second ? second + i * kSecondChannels : kNoSecondLobe, +kSecondChannels,
+                            to + kChannels);
+                if (!asFloat_)
+                    quantiseSecond(to + kChannels);
+            }
+        });
         if (!output_->write_tiles(0, width, firstRow, firstRow + count, 0, 1, OIIO::TypeDesc::FLOAT,
                                   band_.data()))
             fail(output_->geterror());
@@ -103,7 +133,7 @@ private:
 
     std::filesystem::path name_, temporary_;
     const ReflectanceMips& mips_;
-    bool asFloat_;
+    bool asFloat_, secondLobes_ = false;
     std::unique_ptr<OIIO::ImageOutput> output_;
     std::vector<float> band_;
 };
@@ -115,32 +145,58 @@ private:
 
 void checkTexels(const Level& level, size_t number, const std::string& name)
 {
+    bool good = true;
     for (size_t i = 0; i < level.texels.size(); i += kChannels) {
         const float* t = &level.texels[i];
-        bool good = true;
-        for (int c = 0; c < kChannels; ++c)
+        good = good && isLobe(t);
+        for (int c = kSecondChannels; c < kChannels; ++c)
             good = good && std::isfinite(t[c]);
-        good = good && t[kNx] * t[kNx] + t[kNy] * t[kNy] <= 1.0f;
-        good = good && t[kSxx] > 0.0f && t[kSyy] > 0.0f && t[kSxx] * t[kSyy] > t[kSxy] * t[kSxy];
-        if (!good)
-            reject(name, fmt::format("level {} holds a texel that is no lobe", number));
     }
+    for (size_t i = 0; i < level.second.size(); i += kSecondChannels)
+        good = good && isLobe(&level.second[i]);
+    if (!good)
+        reject(name, fmt::format("level {} holds a texel that is no lobe", number));
 }
 
-// Where each of our channels sits in the file, which may order them differently.
-std::array<size_t, kChannels> channelIndices(const std::vector<std::string>& names, const std::string& file)
+// Where each of our channels sits in the file, which may order them differently: those of one lobe, and
+// those of a second where there are any.
+std::vector<size_t> channelIndices(const std::vector<std::string>& names, const std::string& file)
 {
-    if (names.size() != kChannels)
-        reject(file,
-               fmt::format("{} channels instead of {}: no baked reflectance", names.size(), +kChannels));
-    std::array<size_t, kChannels> indices{};
-    for (size_t c = 0; c < kChannels; ++c) {
-        const auto found = std::find(names.begin(), names.end(), kChannelNames[c]);
+    constexpr size_t kBoth = size_t(kChannels) + size_t(kSecondChannels);
+    if (names.size() != kChannels && names.size() != kBoth)
+        reject(file, fmt::format("{} channels instead of {} or {}: no baked reflectance", names.size(),
+                                 +kChannels, kBoth));
+    std::vector<size_t> indices;
+    for (size_t c = 0; c < names.size(); ++c) {
+        const char* name = c < kChannels ? kChannelNames[c] : kSecondNames[c - kChannels];
+        const auto found = std::find(names.begin(), names.end(), name);
         if (found == names.end())
-            reject(file, fmt::format("channel {} is missing: no baked reflectance", kChannelNames[c]));
-        indices[c] = size_t(found - names.begin());
+            reject(file, fmt::format("channel {} is missing: no baked reflectance", name));
+        indices.push_back(size_t(found - names.begin()));
     }
     return indices;
+}
+
+// A level from its picture. Level 0 has no second lobes.
+Level levelOf(const Image& image, const std::vector<size_t>& indices, bool isFinest)
+{
+    const size_t count = size_t(image.width) * size_t(image.height), channels = indices.size();
+    Level level{image.width, image.height, std::vector<float>(count * kChannels), {}};
+    const bool secondLobes = channels > kChannels && !isFinest;
+    level.second.resize(secondLobes ? count * kSecondChannels : 0);
+    for (size_t i = 0; i < count; ++i) {
+        const float* from = &image.pixels[i * channels];
+        for (size_t c = 0; c < kChannels; ++c)
+            level.texels[i * kChannels + c] = from[indices[c]];
+        for (size_t c = 0; secondLobes && c < kSecondChannels; ++c)
+            level.second[i * kSecondChannels + c] = from[indices[kChannels + c]];
+    }
+    return level;
+}
+
+bool isReadable(const std::string& version)
+{
+    return version == kVersion || version == kOneLobeVersion;
 }
 
 std::string attribute(const ImageFile& file, const char* name)
@@ -151,11 +207,11 @@ std::string attribute(const ImageFile& file, const char* name)
 
 } // namespace
 
+namespace {
+
 // Long thin lobes at an angle have det S far below the product of its rounded entries; |S.xy| then gives way.
-void quantise(float* texel)
+void quantiseLobe(float* texel)
 {
-    for (int c = 0; c < kChannels; ++c)
-        texel[c] = roundToHalf(std::clamp(texel[c], -kMaxHalf, kMaxHalf));
     // A normal near the horizon may round to outside the disc.
     while (texel[kNx] * texel[kNx] + texel[kNy] * texel[kNy] >= 1.0f) {
         texel[kNx] = roundToHalf(texel[kNx] * (1.0f - 1.0f / 1024.0f));
@@ -168,15 +224,37 @@ void quantise(float* texel)
     }
 }
 
+void roundAll(float* values, int count)
+{
+    for (int c = 0; c < count; ++c)
+        values[c] = roundToHalf(std::clamp(values[c], -kMaxHalf, kMaxHalf));
+}
+
+} // namespace
+
+void quantise(float* texel)
+{
+    roundAll(texel, kChannels);
+    quantiseLobe(texel);
+}
+
+void quantiseSecond(float* texel)
+{
+    roundAll(texel, kSecondChannels);
+    quantiseLobe(texel);
+}
+
 void writeExr(const std::filesystem::path& file, const ReflectanceMips& mips, bool asFloat)
 {
     if (mips.levels.empty())
         throw Error(fmt::format("{}: nothing baked to write; bake first", file.string()));
     writeAtomically(file, [&](const std::filesystem::path& temporary) {
         ExrSink sink(file, temporary, mips, asFloat);
+        sink.begin(std::ranges::any_of(mips.levels, [](const Level& l) { return !l.second.empty(); }));
         for (size_t l = 0; l < mips.levels.size(); ++l) {
             const Level& level = mips.levels[l];
-            sink.rows(int(l), level.width, level.height, 0, level.height, level.texels.data());
+            sink.rows(int(l), level.width, level.height, 0, level.height, level.texels.data(),
+                      level.second.empty() ? nullptr : level.second.data());
         }
         sink.close();
     });
@@ -204,13 +282,10 @@ ReflectanceMips readExr(const std::filesystem::path& file)
     mips.method = attribute(read, "lumel:method");
     mips.version = attribute(read, "lumel:version");
     mips.source = attribute(read, "lumel:source");
-    if (mips.version != kVersion)
+    if (!isReadable(mips.version))
         reject(name, fmt::format("baked by version '{}' instead of '{}'", mips.version, kVersion));
     for (Image& image : read.levels) {
-        Level level{image.width, image.height, std::vector<float>(image.pixels.size())};
-        for (size_t i = 0; i < image.pixels.size(); i += kChannels)
-            for (size_t c = 0; c < kChannels; ++c)
-                level.texels[i + c] = image.pixels[i + indices[c]];
+        Level level = levelOf(image, indices, mips.levels.empty());
         image = Image();
         checkTexels(level, mips.levels.size(), name);
         mips.levels.push_back(std::move(level));
@@ -223,7 +298,7 @@ std::string bakedSource(const std::filesystem::path& file, bool* isFloat)
     try {
         const ImageFile header = readExrHeader(file);
         channelIndices(header.channelNames, file.string());
-        if (attribute(header, "lumel:version") != kVersion)
+        if (!isReadable(attribute(header, "lumel:version")))
             return "";
         if (isFloat)
             *isFloat = header.isFloat;

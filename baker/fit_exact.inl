@@ -96,10 +96,14 @@ LUMEL_INLINE LogSlopes slopesOf(const Lobe& lobe, const Sums& sum, const Overlap
 
 // The error against the nodes.
 struct ExactObjective {
+    using Job = FitJob;
+    using Result = Norm;
+    using Scaling = LobeScaling;
+    static constexpr int kMostUnknowns = 5;
     static constexpr int kRow = 4;
     const float* rows; // [count][kRow][lanes]
     int count = 0;
-    V norm{}; // <f, f> of the last evaluation
+    Norm result{}; // of the last evaluation
 
     static int size(const FitJob& job) { return job.nodes.count; }
     static void fill(const FitJob& job, int k, float* to)
@@ -109,13 +113,13 @@ struct ExactObjective {
         to[2 * W] = job.nodes.z[k];
         to[3 * W] = job.nodes.weight[k];
     }
-    LUMEL_INLINE V operator()(const Scaling& scaling, const V* x, V* gradient)
+    LUMEL_INLINE V operator()(const LobeScaling& scaling, const V* x, V* gradient)
     {
         const Lobe lobe = scaling.lobe(x);
         const Sums sum = sumNodes(rows, count, lobe);
         const Overlap o = overlapOf(lobe, sum);
         const V explained = o.gf * o.gf / (scaling.energy * o.ff);
-        norm = o.ff;
+        result.norm = o.ff;
         gradientOf(lobe, slopesOf(lobe, sum, o), explained, gradient);
         scaling.scale(gradient);
         // N beyond the disc: the step was too long, regardless of its sum.

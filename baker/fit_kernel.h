@@ -48,6 +48,21 @@ struct FitJob {
     float norm = 1.0f;         // <f, f> there
 };
 
+// A search for two lobes at once, F = F1 + F2: both shapes from their starts, both Ks by projection, none
+// below 0.
+struct PairJob {
+    NodeList nodes;                       // weight = area * G
+    const float* area = nullptr;          // of the nodes
+    const MixtureTerm* mixture = nullptr; // for minimisePairMixtures
+    int mixtureCount = 0;
+    float energy = 1.0f;          // <G, G>
+    float maxLog = 10.0f;         // upper bound of l1 and l2
+    float unknowns[2][kUnknowns]; // starts, then the best point found
+    float error = 1.0f;           // E / <G, G> there
+    float ks[2], norm[2];         // best Ks and <f, f> of each
+    float cross;                  // <f1, f2>
+};
+
 // A lobe to be judged as it is, without a search.
 struct Trial {
     NodeList nodes;      // weight = area * G
@@ -80,6 +95,10 @@ struct Kernels {
     void (*minimise)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
     // The same against the mixtures; 7 * kMaxLanes floats for each term.
     void (*minimiseMixtures)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
+    // Searches for two lobes; 5 * kMaxLanes floats for each node, or 7 for each term.
+    void (*minimisePairs)(PairJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
+    void (*minimisePairMixtures)(PairJob* const* jobs, int count, const SearchSettings& settings,
+                                 float* scratch);
     // <G, G> of a mixture.
     float (*mixtureEnergy)(const MixtureTerm* terms, int count);
     // <F_i, f> for each component and a lobe.
@@ -88,6 +107,9 @@ struct Kernels {
     void (*judge)(Trial* trials, int count);
     // <G, f> and <f, f> of one job at its unknowns, and the gradient of its error in the first five.
     void (*evaluate)(const FitJob& job, float* overlap, float* norm, float* gradient, float* scratch);
+    // The error of two lobes at their unknowns against the nodes or the mixture, and its gradient in the
+    // first five of each.
+    float (*evaluatePair)(const PairJob& job, bool exact, float* gradient, float* scratch);
 };
 
 extern const Kernels kScalarKernels;   // one lane

@@ -15,11 +15,13 @@ namespace {
 
 #include "fit_mixture.inl"
 
+#include "fit_pair.inl"
+
 #include "fit_search.inl"
 } // namespace
 
 extern const Kernels LUMEL_KERNELS;
 const Kernels LUMEL_KERNELS = {LUMEL_NAME, W, average, shapeOnLattice, toHalfVectors,
-                               minimise, minimiseMixtures, mixtureEnergy, mixtureOverlaps, judge, evaluate};
+                               minimise, minimiseMixtures, minimisePairs, minimisePairMixtures, mixtureEnergy, mixtureOverlaps, judge, evaluate, evaluatePair};
 
 } // namespace lumel::baker

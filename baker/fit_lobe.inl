@@ -105,11 +105,64 @@ LUMEL_INLINE void gradientOf(const Lobe& lobe, const LogSlopes& d, V explained, 
     }
 }
 
+// What a search for one lobe keeps beside its error.
+struct Norm {
+    V norm{}; // <f, f>
+    LUMEL_INLINE void take(I where, const Norm& other) { norm = where ? other.norm : norm; }
+    void finish(int lane, FitJob& job) const { job.norm = norm[lane]; }
+};
+
 // The unknowns of the searches in units of their starts' own extents: N = origin + B (x0, x1), l1, l2,
 // l3. The isotropic model ties l1 = l2 and l3 = 0.
-struct Scaling {
+struct LobeScaling {
     V originX, originY, b11, b21, b22, maxLog, energy;
     bool isotropic;
+
+    // Idle lanes compute on harmless numbers.
+    void idle(bool tied)
+    {
+        isotropic = tied;
+        originX = originY = b21 = V{};
+        b11 = b22 = energy = maxLog = splat(1.0f);
+    }
+    // The start `unknowns`, from which x counts.
+    void startAt(int lane, const float* unknowns, float highest, V* x)
+    {
+        originX[lane] = unknowns[kX];
+        originY[lane] = unknowns[kY];
+        b11[lane] = unknowns[kB11];
+        b21[lane] = unknowns[kB21];
+        b22[lane] = unknowns[kB22];
+        maxLog[lane] = highest;
+        x[0][lane] = x[1][lane] = 0.0f;
+        for (int i = 2; i < (isotropic ? 3 : 5); ++i)
+            x[i][lane] = unknowns[kL1 + i - 2];
+    }
+    void finishAt(int lane, const V* x, float* unknowns) const
+    {
+        unknowns[kX] = originX[lane] + b11[lane] * x[0][lane];
+        unknowns[kY] = originY[lane] + b21[lane] * x[0][lane] + b22[lane] * x[1][lane];
+        unknowns[kL1] = x[2][lane];
+        unknowns[kL2] = isotropic ? x[2][lane] : x[3][lane];
+        unknowns[kL3] = isotropic ? 0.0f : x[4][lane];
+    }
+    void start(int lane, const FitJob& job, V* x)
+    {
+        energy[lane] = job.energy;
+        startAt(lane, job.unknowns, job.maxLog, x);
+    }
+    void finish(int lane, const V* x, FitJob& job) const { finishAt(lane, x, job.unknowns); }
+    // Beyond the bounds of l1 and l2 lies nothing.
+    LUMEL_INLINE void bound(V* x) const
+    {
+        for (int i = 2; i < (isotropic ? 3 : 4); ++i)
+            x[i] = minimum(maximum(x[i], splat(kLowestLog)), maxLog);
+    }
+    template<class Result>
+    LUMEL_INLINE V flatness(int, const Result&) const
+    {
+        return splat(1.0f);
+    }
 
     LUMEL_INLINE Lobe lobe(const V* x) const
     {

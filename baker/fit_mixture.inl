@@ -56,39 +56,47 @@ LUMEL_INLINE Product productOf(const Component& i, const Frame& f, V sxx, V sxy,
 }
 
 // The weight is taken as fixed in the slopes.
+LUMEL_INLINE void accumulate(MixtureSums& sum, const Product& p)
+{
+    const V radial = p.q * (0.5f * (p.ma * p.a + p.mb * p.b) - 1.0f), across = p.stretch * p.c;
+    sum.overlap += p.value;
+    sum.alpha += p.value * (p.ma * across + radial * p.a);
+    sum.beta += p.value * (p.mb * across + radial * p.b);
+    sum.gamma += p.value * p.stretch * (p.mb * p.a - p.ma * p.b);
+    sum.txx += p.value * (p.ma * p.ma - p.tyy * p.inverseDet);
+    sum.txy += p.value * (p.ma * p.mb + p.txy * p.inverseDet);
+    sum.tyy += p.value * (p.mb * p.mb - p.txx * p.inverseDet);
+    sum.height += p.value * p.weight / maximum(p.z, splat(1e-3f));
+}
+
 LUMEL_INLINE MixtureSums sumMixture(const float* row, int count, const Lobe& lobe, V sxx, V sxy, V syy)
 {
     MixtureSums sum{};
-    for (int i = 0; i < count; ++i, row += 7 * W) {
-        const Product p = productOf(componentAt(row, W), lobe.frame, sxx, sxy, syy);
-        const V radial = p.q * (0.5f * (p.ma * p.a + p.mb * p.b) - 1.0f), across = p.stretch * p.c;
-        sum.overlap += p.value;
-        sum.alpha += p.value * (p.ma * across + radial * p.a);
-        sum.beta += p.value * (p.mb * across + radial * p.b);
-        sum.gamma += p.value * p.stretch * (p.mb * p.a - p.ma * p.b);
-        sum.txx += p.value * (p.ma * p.ma - p.tyy * p.inverseDet);
-        sum.txy += p.value * (p.ma * p.mb + p.txy * p.inverseDet);
-        sum.tyy += p.value * (p.mb * p.mb - p.txx * p.inverseDet);
-        sum.height += p.value * p.weight / maximum(p.z, splat(1e-3f));
-    }
+    for (int i = 0; i < count; ++i, row += 7 * W)
+        accumulate(sum, productOf(componentAt(row, W), lobe.frame, sxx, sxy, syy));
     return sum;
 }
 
+inline void fillTerm(const MixtureTerm& m, float* to)
+{
+    const float values[] = {m.nx, m.ny, m.nz, m.sxx, m.sxy, m.syy, m.amplitude};
+    for (int j = 0; j < 7; ++j)
+        to[j * W] = values[j];
+}
+
 struct MixtureObjective {
+    using Job = FitJob;
+    using Result = Norm;
+    using Scaling = LobeScaling;
+    static constexpr int kMostUnknowns = 5;
     static constexpr int kRow = 7;
     const float* rows; // [count][kRow][lanes]
     int count = 0;
-    V norm{}; // <f, f> of the last evaluation
+    Norm result{}; // of the last evaluation
 
     static int size(const FitJob& job) { return job.mixtureCount; }
-    static void fill(const FitJob& job, int i, float* to)
-    {
-        const MixtureTerm& m = job.mixture[i];
-        const float values[kRow] = {m.nx, m.ny, m.nz, m.sxx, m.sxy, m.syy, m.amplitude};
-        for (int j = 0; j < kRow; ++j)
-            to[j * W] = values[j];
-    }
-    LUMEL_INLINE V operator()(const Scaling& scaling, const V* x, V* gradient)
+    static void fill(const FitJob& job, int i, float* to) { fillTerm(job.mixture[i], to); }
+    LUMEL_INLINE V operator()(const LobeScaling& scaling, const V* x, V* gradient)
     {
         constexpr float kPi = 3.14159265f;
         const Lobe lobe = scaling.lobe(x);
@@ -113,7 +121,7 @@ struct MixtureObjective {
         d.pyy = -half * (bx * sxy + by * syy) - 0.5f * syy;
         const V plus = squareRoot(lobe.detPlus);
         const V explained = 4.0f * kPi * sum.overlap * sum.overlap / (scaling.energy * f.nz * plus);
-        norm = kPi * f.nz * lobe.det / plus;
+        result.norm = kPi * f.nz * lobe.det / plus;
         gradientOf(lobe, d, explained, gradient);
         scaling.scale(gradient);
         return lobe.outside ? splat(4.0f) : 1.0f - explained;

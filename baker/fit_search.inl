@@ -1,16 +1,18 @@
 // BFGS, all lanes at once.
 
-// Inverse Hessian, lower triangle: h[i][j], j <= i.
+// Inverse Hessian of up to N unknowns, lower triangle: h[i][j], j <= i.
+template<int N>
 struct Hessian {
-    V h[5][5];
+    V h[N][N];
     LUMEL_INLINE V at(int i, int j) const { return i >= j ? h[i][j] : h[j][i]; }
 };
 
 // Nocedal and Wright, "Numerical Optimization" (2006), eq. 6.17, expanded for a symmetric H:
 // H += (1 + y^T H y / s^T y) s s^T / s^T y - (H y s^T + s y^T H) / s^T y. Lanes outside `mask` keep H.
-LUMEL_INLINE void updateHessian(Hessian& hessian, const V* s, const V* y, I mask, int n)
+template<int N>
+LUMEL_INLINE void updateHessian(Hessian<N>& hessian, const V* s, const V* y, I mask, int n)
 {
-    V sy{}, yHy{}, hy[5];
+    V sy{}, yHy{}, hy[N];
     for (int i = 0; i < n; ++i) {
         sy += s[i] * y[i];
         hy[i] = V{};
@@ -30,37 +32,29 @@ LUMEL_INLINE void updateHessian(Hessian& hessian, const V* s, const V* y, I mask
 // The searches of all lanes: one job a lane, each at its own point.
 template<class Objective>
 struct Search {
+    using Job = typename Objective::Job;
+    static constexpr int N = Objective::kMostUnknowns;
     Objective objective;
-    Scaling scaling{};
+    typename Objective::Scaling scaling{};
     const int n; // unknowns
-    V x[5]{}, f{}, g[5]{}, norm{};
-    V direction[5]{}, step{}, slope{};
-    Hessian hessian{};
+    V x[N]{}, f{}, g[N]{};
+    typename Objective::Result result{}; // at x
+    V direction[N]{}, step{}, slope{};
+    Hessian<N> hessian{};
     I active{}; // lanes at work
     I fresh{};  // lanes that need a new direction
     I first{};  // lanes that evaluate their start
 
-    Search(const float* rows, bool isotropic) : objective{rows}, n(isotropic ? 3 : 5)
+    Search(const float* rows, bool isotropic) : objective{rows}, n(isotropic ? N / 5 * 3 : N)
     {
-        scaling.isotropic = isotropic;
-        // Idle lanes compute on harmless numbers.
-        scaling.originX = scaling.originY = scaling.b21 = V{};
-        scaling.b11 = scaling.b22 = scaling.energy = scaling.maxLog = splat(1.0f);
+        scaling.idle(isotropic);
     }
 
-    void start(int lane, const FitJob& job)
+    void start(int lane, const Job& job)
     {
-        scaling.originX[lane] = job.unknowns[kX];
-        scaling.originY[lane] = job.unknowns[kY];
-        scaling.b11[lane] = job.unknowns[kB11];
-        scaling.b21[lane] = job.unknowns[kB21];
-        scaling.b22[lane] = job.unknowns[kB22];
-        scaling.maxLog[lane] = job.maxLog;
-        scaling.energy[lane] = job.energy;
-        for (int i = 0; i < 5; ++i) {
-            x[i][lane] = i < 2 ? 0.0f : job.unknowns[kL1 + i - 2];
+        scaling.start(lane, job, x);
+        for (int i = 0; i < N; ++i)
             g[i][lane] = direction[i][lane] = 0.0f;
-        }
         f[lane] = 1e30f;
         step[lane] = 1.0f;
         slope[lane] = 0.0f;
@@ -68,26 +62,22 @@ struct Search {
         fresh[lane] = 0; // its start is the first trial
     }
 
-    void finish(int lane, FitJob& job) const
+    void finish(int lane, Job& job) const
     {
-        job.unknowns[kX] = scaling.originX[lane] + scaling.b11[lane] * x[0][lane];
-        job.unknowns[kY] =
-            scaling.originY[lane] + scaling.b21[lane] * x[0][lane] + scaling.b22[lane] * x[1][lane];
-        job.unknowns[kL1] = x[2][lane];
-        job.unknowns[kL2] = scaling.isotropic ? x[2][lane] : x[3][lane];
-        job.unknowns[kL3] = scaling.isotropic ? 0.0f : x[4][lane];
+        scaling.finish(lane, x, job);
         job.error = f[lane];
-        job.norm = norm[lane];
+        result.finish(lane, job);
     }
 
-    // Near a good fit the error is a paraboloid of curvature 1 in the scaled unknowns, 2 where one
+    // Near a good fit the error is a paraboloid of curvature 1 in a lobe's scaled unknowns, 2 where one
     // unknown widens the lobe both ways.
     LUMEL_INLINE void resetHessian(I mask)
     {
+        const int ofLobe = n == N ? 5 : 3;
         for (int i = 0; i < n; ++i)
             for (int j = 0; j <= i; ++j) {
-                const float value = i != j ? 0.0f : n == 3 && i == 2 ? 0.5f : 1.0f;
-                hessian.h[i][j] = mask ? splat(value) : hessian.h[i][j];
+                const float value = i != j ? 0.0f : n < N && i % ofLobe == 2 ? 0.5f : 1.0f;
+                hessian.h[i][j] = mask ? value * scaling.flatness(i / ofLobe, result) : hessian.h[i][j];
             }
     }
 
@@ -95,7 +85,7 @@ struct Search {
     LUMEL_INLINE void chooseDirections()
     {
         constexpr float kLongestStep = 1.0f;
-        V candidate[5], slopeNew, longest;
+        V candidate[N], slopeNew, longest;
         for (int pass = 0; pass < 2; ++pass) {
             slopeNew = longest = V{};
             for (int i = 0; i < n; ++i) {
@@ -120,12 +110,10 @@ struct Search {
     LUMEL_INLINE void advance(float tolerance)
     {
         constexpr float kArmijo = 1e-4f;
-        resetHessian(first);
-        V trial[5], trialG[5], s[5], y[5], largest{};
-        for (int i = 0; i < 5; ++i)
+        V trial[N], trialG[N], s[N], y[N], largest{};
+        for (int i = 0; i < N; ++i)
             trial[i] = i < n ? x[i] + step * direction[i] : V{};
-        for (int i = 2; i < 4; ++i) // beyond the bounds of l1 and l2 lies nothing
-            trial[i] = minimum(maximum(trial[i], splat(kLowestLog)), scaling.maxLog);
+        scaling.bound(trial);
         const V trialF = objective(scaling, trial, trialG);
         const I accepted = active & ((trialF <= f + kArmijo * step * slope) | first);
         for (int i = 0; i < n; ++i) {
@@ -143,7 +131,8 @@ struct Search {
         const I small = accepted & (f - trialF < tolerance * tolerance) & (step >= 0.99f);
         const I offDisc = first & (trialF > 2.0f);
         f = accepted ? trialF : f;
-        norm = accepted ? objective.norm : norm;
+        result.take(accepted, objective.result);
+        resetHessian(first);
         step = accepted ? step : minimum(maximum(parabola, 0.1f * step), 0.5f * step);
         active &= ~(small | (largest < tolerance) | (step < 1e-3f) | offDisc);
         fresh = accepted;
@@ -153,7 +142,7 @@ struct Search {
 
 // Feeds jobs to the lanes until all are done.
 template<class Objective>
-void runJobs(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch)
+void runJobs(typename Objective::Job* const* jobs, int count, const SearchSettings& settings, float* scratch)
 {
     Search<Objective> search(scratch, settings.isotropic);
     constexpr int kRow = Objective::kRow;
@@ -174,7 +163,7 @@ void runJobs(FitJob* const* jobs, int count, const SearchSettings& settings, flo
                 running[lane] = -1;
             }
             if (running[lane] < 0 && next < count) {
-                const FitJob& job = *jobs[next];
+                const typename Objective::Job& job = *jobs[next];
                 const int size = Objective::size(job);
                 // Rows beyond the other lanes' jobs start empty; beyond this job the lane is cleared.
                 for (; rows < size; ++rows)
@@ -233,4 +222,44 @@ void evaluate(const FitJob& job, float* overlap, float* norm, float* gradient, f
     gradientOf(lobe, slopesOf(lobe, sum, o), o.gf * o.gf / (job.energy * o.ff), g);
     for (int i = 0; i < 5; ++i)
         gradient[i] = g[i][0];
+}
+
+void minimisePairs(PairJob* const* jobs, int count, const SearchSettings& settings, float* scratch)
+{
+    runJobs<PairObjective>(jobs, count, settings, scratch);
+}
+
+void minimisePairMixtures(PairJob* const* jobs, int count, const SearchSettings& settings, float* scratch)
+{
+    runJobs<PairMixtureObjective>(jobs, count, settings, scratch);
+}
+
+template<class Objective>
+float evaluatePairWith(const PairJob& job, float* gradient, float* scratch)
+{
+    const int size = Objective::size(job);
+    for (int k = 0; k < size; ++k)
+        for (int lane = 0; lane < W; ++lane)
+            Objective::fill(job, k, scratch + k * Objective::kRow * W + lane);
+    PairScaling scaling{};
+    scaling.idle(false);
+    V x[10]{}, g[10];
+    PairJob unscaled = job;
+    for (float* unknowns : unscaled.unknowns) {
+        unknowns[kB11] = unknowns[kB22] = 1.0f;
+        unknowns[kB21] = 0.0f;
+    }
+    for (int lane = 0; lane < W; ++lane)
+        scaling.start(lane, unscaled, x);
+    Objective objective{scratch, size};
+    const V error = objective(scaling, x, g);
+    for (int i = 0; i < 10; ++i)
+        gradient[i] = g[i][0];
+    return error[0];
+}
+
+float evaluatePair(const PairJob& job, bool exact, float* gradient, float* scratch)
+{
+    return exact ? evaluatePairWith<PairObjective>(job, gradient, scratch)
+                 : evaluatePairWith<PairMixtureObjective>(job, gradient, scratch);
 }

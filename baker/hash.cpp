@@ -45,7 +45,8 @@ std::string sourceHash(const Maps& maps, const Options& options)
     const auto& [height, heightScale, normal, normalGreenUp, signedNormals, normalScale, givenWrap, power,
                  powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
                  specularConstant, diffuse, diffuseConstant] = maps;
-    const auto& [method, model, threads, reduce, reconstruction, givenPrecision, mayProject] = options;
+    const auto& [method, model, threads, reduce, reconstruction, givenPrecision, givenLobes, mayProject] =
+        options;
     const Wrap wrap = readsAcrossBorders(maps, options, mapSize(maps)) ? givenWrap : Wrap::repeat;
     addFields(hash, height, heightScale, normal, normalGreenUp, signedNormals, normalScale, wrap, power,
               powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
@@ -53,7 +54,8 @@ std::string sourceHash(const Maps& maps, const Options& options)
     static_cast<void>(threads); // does not change the result
     const bool bestKs = mayProject && !isFitted(method);
     const float precision = isFitted(method) ? givenPrecision : 0.0f;
-    addFields(hash, method, model, reduce, reconstruction, precision, bestKs);
+    const LobeCount lobes = method == Method::fit ? givenLobes : LobeCount::one;
+    addFields(hash, method, model, reduce, reconstruction, precision, lobes, bestKs);
     return hash.hex();
 }
 

@@ -100,13 +100,15 @@ TexelInspector::TexelInspector(Maps maps) : data_(std::make_unique<Data>(std::mo
 TexelInspector::~TexelInspector() = default;
 
 TexelLobes TexelInspector::look(const std::vector<Level>& sizes, size_t level, int x, int y,
-                                const float* texel) const
+                                const float* texel, const float* second) const
 {
     const DiscGrid& grid = data_->grid;
     std::vector<float> g(grid.size()), f(grid.size()), lean(grid.size());
     Averages(data_->source, sizes, grid, 0).get(level, x, y, g.data());
-    grid.add({texel[kNx], texel[kNy], texel[kSxx], texel[kSxy], texel[kSyy]},
-             float(luminance({texel[kKsR], texel[kKsG], texel[kKsB]})), f.data());
+    for (const float* t : {texel, second}) // both begin alike
+        if (t)
+            grid.add({t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]},
+                     float(luminance({t[kKsR], t[kKsG], t[kKsB]})), f.data());
     grid.add(leanShape(momentsOf(data_->source, sizes[level], x, y)), 1.0f, lean.data());
     lean = scaledToFit(grid, std::move(lean), g);
     TexelLobes result;

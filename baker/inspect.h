@@ -1,5 +1,5 @@
 // One texel of a baked chain, looked at: the exact average of the level-0 lobes under it, beside the baked
-// lobe and LEAN's. What the viewer's inspector shows.
+// lobe, or two, and LEAN's. What the viewer's inspector shows.
 #pragma once
 #include "bake.h"
 #include <memory>
@@ -28,8 +28,9 @@ public:
     ~TexelInspector();
 
     // `texel`: that of a chain baked from the maps by any method, whose levels have these sizes; their texels
-    // are not read.
-    TexelLobes look(const std::vector<Level>& sizes, size_t level, int x, int y, const float* texel) const;
+    // are not read. `second`: its second lobe, if it may have one.
+    TexelLobes look(const std::vector<Level>& sizes, size_t level, int x, int y, const float* texel,
+                    const float* second = nullptr) const;
 
 private:
     struct Data;

@@ -186,6 +186,12 @@ Shape LobeList::matchedShape() const
     return shapeOf(DiscMoments(itemsOf(lobes_)));
 }
 
+MixtureTerm unitTerm(const Shape& s)
+{
+    const float nz = std::sqrt(std::max(1e-4f, 1.0f - s.nx * s.nx - s.ny * s.ny));
+    return termOf({s, nz, 1.0f, {1.0f, 1.0f, 1.0f}}, 1.0f, false);
+}
+
 MixtureTerm termOf(const ListedLobe& l, float area, bool isBlack)
 {
     const Shape& s = l.shape;

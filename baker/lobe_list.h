@@ -39,5 +39,6 @@ private:
 
 // As the kernels take it: its share of `area`; Ks is 1 where the texel `isBlack`.
 MixtureTerm termOf(const ListedLobe& lobe, float area, bool isBlack);
+MixtureTerm unitTerm(const Shape& shape); // of Ks 1
 
 } // namespace lumel::baker

@@ -2,23 +2,63 @@
 #include "averager.h"
 #include "footprint.h"
 #include "normals.h"
+#include "shared/lobe.h"
 #include "solver.h"
 #include <random>
 
 namespace lumel::baker {
 namespace {
 
-// Blends the channels of the four texels around (u, v), in texels.
-void blend(const Level& level, Wrap wrap, double u, double v, float* out)
+struct Blended {
+    Shape shape;
+    double ks = 0.0; // luminance
+};
+
+// Moments of lobes on the disc, weighted by what they reflect: Ks, Ks mu, Ks (S + mu mu^T).
+class BlendedMoments {
+public:
+    // First or second lobe of a texel: both begin alike.
+    void add(const float* t, double share)
+    {
+        const double ks = share * luminance({t[kKsR], t[kKsG], t[kKsB]});
+        const glm::dvec3 n(shared::lobeNormal(glm::vec2(t[kNx], t[kNy])));
+        ks_ += ks;
+        x_ += ks * n.x;
+        y_ += ks * n.y;
+        second_ =
+            second_ +
+            (DiscFrame(n).toDisc({t[kSxx], t[kSxy], t[kSyy]}) + Sym2{n.x * n.x, n.x * n.y, n.y * n.y}) * ks;
+    }
+    Blended lobe() const
+    {
+        if (ks_ <= 0.0)
+            return {};
+        const double x = x_ / ks_, y = y_ / ks_;
+        const glm::vec3 n = shared::lobeNormal(glm::vec2(float(x), float(y)));
+        const Sym2 disc = second_ * (1.0 / ks_) + Sym2{x * x, x * y, y * y} * -1.0;
+        const Sym2 s = clampPowers(DiscFrame(glm::dvec3(n)).fromDisc(disc));
+        return {{n.x, n.y, float(s.xx), float(s.xy), float(s.yy)}, ks_};
+    }
+
+private:
+    double ks_ = 0.0, x_ = 0.0, y_ = 0.0;
+    Sym2 second_;
+};
+
+// Both lobes of the four texels around (u, v), in texels.
+std::array<Blended, 2> blend(const Level& level, Wrap wrap, double u, double v)
 {
-    const double x = u - 0.5, y = v - 0.5;
-    const int i = int(std::floor(x)), j = int(std::floor(y));
-    const float a = float(x - i), b = float(y - j);
-    const int i0 = wrapped(i, level.width, wrap), i1 = wrapped(i + 1, level.width, wrap);
-    const int j0 = wrapped(j, level.height, wrap), j1 = wrapped(j + 1, level.height, wrap);
-    for (int c = 0; c < kChannels; ++c)
-        out[c] = (1 - b) * ((1 - a) * level.at(i0, j0)[c] + a * level.at(i1, j0)[c]) +
-                 b * ((1 - a) * level.at(i0, j1)[c] + a * level.at(i1, j1)[c]);
+    const int i = int(std::floor(u - 0.5)), j = int(std::floor(v - 0.5));
+    const double a = u - 0.5 - i, b = v - 0.5 - j;
+    BlendedMoments moments[2];
+    for (int k = 0; k < 4; ++k) {
+        const int x = wrapped(i + k % 2, level.width, wrap), y = wrapped(j + k / 2, level.height, wrap);
+        const double share = (k % 2 ? a : 1.0 - a) * (k / 2 ? b : 1.0 - b);
+        moments[0].add(level.at(x, y), share);
+        if (!level.second.empty())
+            moments[1].add(level.secondAt(x, y), share);
+    }
+    return {moments[0].lobe(), moments[1].lobe()};
 }
 
 class GroundTruth {
@@ -50,7 +90,7 @@ public:
         return luminance(cell_.sum.ks) > 0.0;
     }
 
-    double error(const float* texel)
+    double error(const std::array<Blended, 2>& lobes)
     {
         const std::vector<float>& g = g_[0];
         std::vector<float> weight(nodes_.size());
@@ -61,12 +101,18 @@ public:
         }
         FitJob job;
         job.nodes = {int(nodes_.size()), nodes_.x.data(), nodes_.y.data(), nodes_.z.data(), weight.data()};
-        toUnknowns({texel[kNx], texel[kNy], texel[kSxx], texel[kSxy], texel[kSyy]}, job.maxLog, job.unknowns);
         std::vector<float> scratch((4 * nodes_.size() + 64) * kMaxLanes);
-        float overlap = 0.0f, norm = 1.0f;
-        kernels().evaluate(job, &overlap, &norm, nullptr, scratch.data());
-        const double ks = luminance({texel[kKsR], texel[kKsG], texel[kKsB]});
-        return (energy - 2.0 * ks * overlap + ks * ks * norm) / energy;
+        double left = energy;
+        for (const Blended& lobe : lobes) {
+            toUnknowns(lobe.shape, job.maxLog, job.unknowns);
+            float overlap = 0.0f, norm = 1.0f;
+            kernels().evaluate(job, &overlap, &norm, nullptr, scratch.data());
+            left += lobe.ks * (lobe.ks * norm - 2.0 * overlap);
+        }
+        float cross = 0.0f;
+        const MixtureTerm first = unitTerm(lobes[0].shape);
+        kernels().mixtureOverlaps(&first, 1, unitTerm(lobes[1].shape), &cross);
+        return (left + 2.0 * lobes[0].ks * lobes[1].ks * cross) / energy;
     }
 
     const Source& source() const { return source_; }
@@ -99,9 +145,7 @@ double lookupError(const Maps& maps, const ReflectanceMips& mips, size_t level, 
         if (!groundTruth.gather(Footprint((u - 0.5) * scaleX, (u + 0.5) * scaleX),
                                 Footprint((v - 0.5) * scaleY, (v + 0.5) * scaleY)))
             continue;
-        float texel[kChannels];
-        blend(l, maps.wrap, u, v, texel);
-        sum += groundTruth.error(texel);
+        sum += groundTruth.error(blend(l, maps.wrap, u, v));
         ++counted;
     }
     return counted > 0 ? sum / counted : 0.0;

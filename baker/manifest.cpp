@@ -111,6 +111,10 @@ private:
                 reports.push_back(folder_ / name.get<std::string>());
         else if (key == "precision")
             options.precision = value.get<float>();
+        else if (key == "lobes")
+            options.lobes = choice<LobeCount>(
+                value.is_number() ? Json(value.dump()) : value, key,
+                {{"1", LobeCount::one}, {"2", LobeCount::two}, {"auto", LobeCount::automatic}});
         else if (key == "reduce")
             options.reduce = value.get<int>();
         else if (key == "reconstruction")
@@ -151,7 +155,7 @@ public:
         for (const fs::path& file : reports)
             checkWritable(file);
         checkWritable(output);
-        const size_t units = progressUnits(maps) + (reports.empty() ? 0 : measureUnits(maps));
+        const size_t units = progressUnits(maps) + (reports.empty() ? 0 : measureUnits(maps, options));
         Progress progress(whole, share, units);
         const auto start = std::chrono::steady_clock::now();
         if (reports.empty()) {

@@ -30,7 +30,7 @@ struct Report {
 };
 
 // Bakes every closed form that the maps allow (height needs a height map) and compares. `seconds` is
-// what baking `mips` took. `progress` counts measureUnits(maps).
+// what baking `mips` took. `progress` counts measureUnits().
 Report makeReport(const Maps& maps, const Options& options, const ReflectanceMips& mips, double seconds,
                   Progress* progress = nullptr);
 

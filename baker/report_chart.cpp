@@ -78,6 +78,8 @@ const char* methodColour(const std::string& label)
     const std::string method = label.substr(0, label.find(','));
     if (method == "fit")
         return "#ffc94d";
+    if (method == "one lobe")
+        return "#e6e6a0";
     if (method == "fit-power")
         return "#ff9f43";
     if (method == "lean")

@@ -37,10 +37,10 @@ Averages::AddLobe LightGrid::adder() const
     };
 }
 
-double diffuseError(const LightGrid& lights, const std::vector<float>& average, const Shape& shape, double kd)
+double diffuseError(const LightGrid& lights, const std::vector<float>& average, glm::dvec2 normal, double kd)
 {
     std::vector<float> difference = average;
-    lights.add(shape.nx, shape.ny, float(kd), -1.0f, difference.data());
+    lights.add(float(normal.x), float(normal.y), float(kd), -1.0f, difference.data());
     double error = 0.0, energy = 0.0;
     for (size_t k = 0; k < average.size(); ++k) {
         error += double(difference[k]) * difference[k];

@@ -20,7 +20,6 @@ private:
 };
 
 // The squared error of a stored texel relative to the average's square, over the hemisphere of lights.
-double diffuseError(const LightGrid& lights, const std::vector<float>& average, const Shape& shape,
-                    double kd);
+double diffuseError(const LightGrid& lights, const std::vector<float>& average, glm::dvec2 normal, double kd);
 
 } // namespace lumel::baker

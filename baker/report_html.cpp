@@ -166,7 +166,7 @@ std::string row(const Measurement& report, const Exhibit& exhibit)
     for (size_t m = 0; m < report.methods.size(); ++m)
         html += figure(lobePicture(exhibit.texel.lobes[m], view), report.methods[m],
                        methodColour(report.methods[m]), formatError(exhibit.texel.lobes[m].error));
-    html += "<figure>" + landscapeChart(exhibit.landscape, exhibit.texel.lobes.front());
+    html += "<figure>" + landscapeChart(exhibit.landscape, exhibit.texel.lobes[report.oneLobe]);
     if (!exhibit.landscape.path.empty())
         html += fmt::format("<figcaption>{} steps from {}</figcaption>", exhibit.landscape.path.size() - 1,
                             exhibit.landscape.start);
@@ -235,8 +235,8 @@ std::string reportHtml(const Report& report)
     html += "<h2>Texels</h2><p>The best, the median and the worst measured texel of each level by the first "
             "method's error, on the disc of half vectors seen from above (rings at sin θ = ¼, ½, ¾, 1). The "
             "pictures of a row share one scale and one part of the disc. Last: log(1 + E) over power and Ks, "
-            "with the "
-            "fit's normal and proportions held, a contour at each twentieth; <span "
+            "with "
+            "the normal and proportions of the fit of one lobe held, a contour at each twentieth; <span "
             "style='color:#ff4d6d'>✚</span> is the fit, the white line the baker's own BFGS search projected "
             "onto this plane, from the ring on: of the first guesses that end at the fit, the worst.</p>" +
             legend();

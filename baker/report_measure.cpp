@@ -15,14 +15,23 @@ struct Named {
     Method method;
     const char* name;
 };
+constexpr Named kOneLobe = {Method::fit, "one lobe"};
 constexpr Named kOthers[] = {{Method::fitPower, "fit-power"}, {Method::lean, "lean"},
                              {Method::toksvig, "toksvig"},    {Method::average, "average"},
                              {Method::height, "height"},      {Method::flat, "flat"}};
 
-// The methods to compare with. A normal map holds no heights to average.
-std::vector<Named> baselines(const Maps& maps)
+bool fitsPairs(const Options& options)
+{
+    return options.method == Method::fit && options.lobes != LobeCount::one;
+}
+
+// The methods to compare with: the fit of one lobe where two are baked, and the others. A normal map holds no
+// heights to average.
+std::vector<Named> baselines(const Maps& maps, const Options& options)
 {
     std::vector<Named> list;
+    if (fitsPairs(options))
+        list.push_back(kOneLobe);
     for (const Named& form : kOthers)
         if (form.method != Method::height || maps.height.width > 0)
             list.push_back(form);
@@ -32,11 +41,21 @@ std::vector<Named> baselines(const Maps& maps)
 StoredLobe storedLobe(const Level& level, int x, int y)
 {
     const float* t = level.at(x, y);
-    return {{t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]},
-            luminance({t[kKsR], t[kKsG], t[kKsB]}),
-            0.0,
-            luminance({t[kKdR], t[kKdG], t[kKdB]}),
-            0.0};
+    StoredLobe lobe{{t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]},
+                    luminance({t[kKsR], t[kKsG], t[kKsB]}),
+                    0.0,
+                    luminance({t[kKdR], t[kKdG], t[kKdB]}),
+                    0.0,
+                    {},
+                    0.0,
+                    {t[kNx], t[kNy]}};
+    if (!level.second.empty()) {
+        const float* s = level.secondAt(x, y);
+        lobe.second = {s[kN2x], s[kN2y], s[kS2xx], s[kS2xy], s[kS2yy]};
+        lobe.secondKs = luminance({s[kKs2R], s[kKs2G], s[kKs2B]});
+        lobe.diffuseNormal = glm::dvec2(pairNormal(t, s));
+    }
+    return lobe;
 }
 
 // At most kReportTexels texels: one of each run of equally many, at a pseudo-random place in it, so that
@@ -69,7 +88,7 @@ public:
     Meter(const Maps& maps, const Options& options, const ReflectanceMips& baked, const SeeChain& seen,
           Progress* progress)
         : maps_(maps), options_(options), baked_(baked), seen_(seen), progress_(progress), source_(maps),
-          baselines_(baselines(maps))
+          baselines_(baselines(maps, options))
     {
     }
 
@@ -84,6 +103,7 @@ public:
         result_.width = source_.width();
         result_.height = source_.height();
         result_.meanKs = !isFitted(options_.method) && !options_.bestKs;
+        result_.oneLobe = fitsPairs(options_) ? 1 : 0;
         result_.methods = {baked_.method + (result_.meanKs ? ", mean Ks" : "")};
         collect();
         const Averages averages(source_, baked_.levels, *grid, kReportTexels);
@@ -124,8 +144,10 @@ private:
         for (const Named& form : baselines_) {
             Options options = options_;
             options.method = form.method;
+            options.lobes = LobeCount::one;
             options.bestKs = true;
-            const ReflectanceMips chain = bake(maps_, options, progress_);
+            ReflectanceMips chain = bake(maps_, options, progress_);
+            chain.method = form.name;
             store(chain.levels);
             if (seen_)
                 seen_(chain);
@@ -140,7 +162,7 @@ private:
             if (energy <= 0.0)
                 continue; // black: no error
             f = g;
-            grid_->add(lobe.shape, -float(lobe.ks), f.data());
+            lobe.addTo(*grid_, -1.0f, f.data());
             lobe.error = grid_->integral(f.data(), f.data()) / energy;
         }
     }
@@ -156,7 +178,7 @@ private:
                 measureTexel(g, f, texels[i]);
                 diffuse.get(size_t(level.number), texels[i].x, texels[i].y, matte.data());
                 for (StoredLobe& lobe : texels[i].lobes)
-                    lobe.diffuseError = diffuseError(lights_, matte, lobe.shape, lobe.kd);
+                    lobe.diffuseError = diffuseError(lights_, matte, lobe.diffuseNormal, lobe.kd);
             }
         });
         for (size_t m = 0; m < result_.methods.size(); ++m) {
@@ -200,11 +222,12 @@ private:
         std::vector<PathStart> starts;
         if (options_.method == Method::fit) {
             for (size_t m = 0; m < baselines_.size(); ++m)
-                if (baselines_[m].method != Method::flat && baselines_[m].method != Method::height)
+                if (baselines_[m].method != Method::flat && baselines_[m].method != Method::height &&
+                    baselines_[m].method != Method::fit)
                     starts.push_back({baselines_[m].name, exhibit.texel.lobes[m + 1].shape});
             addChildren(number, exhibit.texel, starts);
         }
-        exhibit.landscape = landscapeOf(*grid_, exhibit.average, exhibit.texel.lobes[0], starts,
+        exhibit.landscape = landscapeOf(*grid_, exhibit.average, exhibit.texel.lobes[result_.oneLobe], starts,
                                         options_.model == Model::blinnPhong, source_.maxPower());
     }
 
@@ -235,9 +258,16 @@ private:
 
 } // namespace
 
-size_t measureUnits(const Maps& maps)
+void StoredLobe::addTo(const DiscGrid& grid, float scale, float* g) const
 {
-    return (baselines(maps).size() + 2) * progressUnits(maps);
+    grid.add(shape, scale * float(ks), g);
+    if (secondKs > 0.0)
+        grid.add(second, scale * float(secondKs), g);
+}
+
+size_t measureUnits(const Maps& maps, const Options& options)
+{
+    return (baselines(maps, options).size() + 2) * progressUnits(maps);
 }
 
 Measurement measure(const Maps& maps, const Options& options, const ReflectanceMips& baked,

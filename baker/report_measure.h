@@ -13,13 +13,18 @@ class DiscGrid;
 
 inline constexpr int kReportTexels = 256; // most texels measured per level
 
-// A lobe as some method stored it; Ks is the luminance.
+// A texel's lobe, or two, as some method stored it; Ks is the luminance.
 struct StoredLobe {
     Shape shape;
     double ks = 0.0;
     double error = 0.0;        // E: integral of (G - F)^2 over the disc / integral of G^2
     double kd = 0.0;           // luminance
     double diffuseError = 0.0; // see report_diffuse.h
+    Shape second;              // the other lobe, if it has any Ks
+    double secondKs = 0.0;
+    glm::dvec2 diffuseNormal{0.0}; // x and y
+    // g += scale * F.
+    void addTo(const DiscGrid& grid, float scale, float* g) const;
 };
 
 struct MeasuredTexel {
@@ -68,6 +73,7 @@ struct Measurement {
     int threads = 0;                  // used
     bool box = true;                  // fitted for the averages over texels that are measured here
     std::vector<std::string> methods; // [0] is what was baked; then the closed forms, with their best Ks
+    size_t oneLobe = 0;               // the method of one lobe whose landscape is shown
     bool meanKs = false;              // what was baked is a closed form that states its mean Ks
     int gridSide = 0;                 // points per side of the grid that E is summed on
     double narrowestDeviation = 0.0;  // of the level-0 lobes on the disc, all but a hundredth
@@ -76,10 +82,10 @@ struct Measurement {
 };
 
 // Measures `baked`, the result of bake(maps, options), and every closed form that these maps allow, given the
-// Ks of least error; each closed form's chain is shown to `seen` once. `progress` counts measureUnits(maps).
+// Ks of least error; each closed form's chain is shown to `seen` once. `progress` counts measureUnits().
 using SeeChain = std::function<void(const ReflectanceMips&)>;
 Measurement measure(const Maps& maps, const Options& options, const ReflectanceMips& baked,
                     const SeeChain& seen = {}, Progress* progress = nullptr);
-size_t measureUnits(const Maps& maps);
+size_t measureUnits(const Maps& maps, const Options& options);
 
 } // namespace lumel::baker

@@ -134,9 +134,13 @@ View viewOf(const DiscGrid& grid, const Exhibit& exhibit)
         if (grid.area()[k] > 0.0f && g[k] > 0.01f * peak)
             include(grid.x()[k], grid.y()[k]);
     for (const StoredLobe& lobe : exhibit.texel.lobes) {
-        const double reach = 2.0 / std::sqrt(double(scalarPower(lobe.shape)));
-        include(lobe.shape.nx - reach, lobe.shape.ny - reach);
-        include(lobe.shape.nx + reach, lobe.shape.ny + reach);
+        for (const Shape* s : {&lobe.shape, &lobe.second}) {
+            if (s == &lobe.second && lobe.secondKs <= 0.0)
+                continue;
+            const double reach = 2.0 / std::sqrt(double(scalarPower(*s)));
+            include(s->nx - reach, s->ny - reach);
+            include(s->nx + reach, s->ny + reach);
+        }
     }
     View view;
     view.peak = peak > 0.0f ? peak : 1.0;
@@ -159,12 +163,14 @@ std::string averagePicture(const DiscGrid& grid, const std::vector<float>& avera
 
 std::string lobePicture(const StoredLobe& lobe, const View& view)
 {
-    const Shape& s = lobe.shape;
-    const shared::Lobe ready =
-        shared::makeLobe(shared::lobeNormal(glm::vec2(s.nx, s.ny)), glm::vec3(s.sxx, s.sxy, s.syy));
+    const auto ready = [](const Shape& s) {
+        return shared::makeLobe(shared::lobeNormal(glm::vec2(s.nx, s.ny)), glm::vec3(s.sxx, s.sxy, s.syy));
+    };
+    const shared::Lobe first = ready(lobe.shape), second = ready(lobe.second);
     return discPicture(view, [&](double x, double y) {
         const glm::vec3 h(float(x), float(y), float(std::sqrt(std::max(0.0, 1.0 - x * x - y * y))));
-        return lobe.ks * double(shared::lobeShape(ready, h));
+        return lobe.ks * double(shared::lobeShape(first, h)) +
+               lobe.secondKs * double(shared::lobeShape(second, h));
     });
 }
 

@@ -104,12 +104,17 @@ void Solver::addChildren(Texel& texel)
     const TexelTask& task = texel.task;
     texel.firstTerm = terms_.size();
     const bool black = luminance(task.mean.ks) <= 0.0;
-    for (int i = 0; i < task.childCount; ++i) {
-        const TexelTask::Child& child = task.children[size_t(i)];
+    const auto addTerm = [&](const TexelTask::Child& child) {
         const Shape& s = child.shape;
         const float nz = std::sqrt(std::max(1e-4f, 1.0f - s.nx * s.nx - s.ny * s.ny));
         terms_.push_back(termOf({s, nz, child.share, {child.ks, child.ks, child.ks}}, 1.0f, black));
-    }
+    };
+    for (int i = 0; i < task.childCount; ++i)
+        addTerm(task.children[size_t(i)]);
+    texel.firstFiner = task.finerCount > 0 ? terms_.size() : texel.firstTerm;
+    texel.finerCount = size_t(task.finerCount > 0 ? task.finerCount : task.childCount);
+    for (int i = 0; i < task.finerCount; ++i)
+        addTerm(task.finer(i));
 }
 
 FitJob Solver::jobOf(const Start& start, Family family, Against against) const
@@ -259,13 +264,17 @@ void Solver::solve()
         if (isotropic)
             fitIsotropic(settle(selection, kIsotropic));
         polish(selection, isotropic);
+        if (options_.lobes != LobeCount::one)
+            fitPairs(selection, isotropic ? kIsotropic : kAnisotropic);
         mergeLists(selection);
     }
     for (const Texel& texel : texels_) {
         const bool ownKs = texel.task.uniform || (texel.task.fixed && !options_.bestKs);
         write(texel, texel.best[isotropic ? kIsotropic : kAnisotropic], texel.task.texel, ownKs);
-        if (texel.task.anisotropicFit)
-            write(texel, texel.best[kAnisotropic], texel.task.anisotropicFit, ownKs);
+        if (texel.task.oneLobe)
+            write(texel, texel.best[kAnisotropic], texel.task.oneLobe, ownKs);
+        if (texel.pair.error < kNoError)
+            writePair(texel);
     }
     texels_.clear();
     terms_.clear();
@@ -285,12 +294,32 @@ void Solver::write(const Texel& texel, const Found& found, float* t, bool ownKs)
     t[kSxy] = shape.sxy;
     t[kSyy] = shape.syy;
     writeSpecular(texel, found, t, ownKs);
-    // The vector average of Kd N, along the stored N.
     const double nz =
         std::sqrt(std::max(0.0, 1.0 - double(shape.nx) * shape.nx - double(shape.ny) * shape.ny));
+    writeDiffuse(texel.task, {shape.nx, shape.ny, nz}, t);
+}
+
+// The vector average of Kd N, along the stored N.
+void Solver::writeDiffuse(const TexelTask& task, glm::dvec3 normal, float* t)
+{
     for (int c = 0; c < 3; ++c)
-        t[kKdR + c] =
-            float(std::max(0.0, glm::dot(texel.task.mean.kdNormal[c], glm::dvec3(shape.nx, shape.ny, nz))));
+        t[kKdR + c] = float(std::max(0.0, glm::dot(task.mean.kdNormal[c], normal)));
+}
+
+// Its values of Ks 1 at the texel's nodes, into the scratch.
+void Solver::sampleShape(const Texel& texel, const Shape& shape)
+{
+    const Sym2 p = Sym2{shape.sxx, shape.sxy, shape.syy}.inverse();
+    const float nz = std::sqrt(std::max(1e-4f, 1.0f - shape.nx * shape.nx - shape.ny * shape.ny));
+    const LobeTerm lobe{
+        shape.nx, shape.ny, nz, float(p.xx), float(p.xy), float(p.yy), float(std::sqrt(p.det()))};
+    const size_t n = texel.firstNode;
+    if (scratch_.size() < texel.nodeCount)
+        scratch_.resize(texel.nodeCount);
+    std::fill_n(scratch_.begin(), texel.nodeCount, 0.0f);
+    kernels_.average(&lobe, 1, false,
+                     {int(texel.nodeCount), &nodes_.x[n], &nodes_.y[n], &nodes_.z[n], nullptr},
+                     scratch_.data());
 }
 
 // Ks by projection, <G, f> / <f, f>, or the mean (`ownKs`); E with that Ks.
@@ -317,21 +346,11 @@ void Solver::writeSpecular(const Texel& texel, const Found& found, float* t, boo
         projectColours(texel, shape, ks, t);
         return;
     }
-    const Sym2 p = Sym2{shape.sxx, shape.sxy, shape.syy}.inverse();
-    const float nz = std::sqrt(std::max(1e-4f, 1.0f - shape.nx * shape.nx - shape.ny * shape.ny));
-    const LobeTerm lobe{
-        shape.nx, shape.ny, nz, float(p.xx), float(p.xy), float(p.yy), float(std::sqrt(p.det()))};
-    const size_t n = texel.firstNode;
-    if (scratch_.size() < texel.nodeCount)
-        scratch_.resize(texel.nodeCount);
-    std::fill_n(scratch_.begin(), texel.nodeCount, 0.0f);
-    kernels_.average(&lobe, 1, false,
-                     {int(texel.nodeCount), &nodes_.x[n], &nodes_.y[n], &nodes_.z[n], nullptr},
-                     scratch_.data());
+    sampleShape(texel, shape);
     for (int c = 0; c < 3; ++c) {
         double channelOverlap = 0.0;
         for (size_t k = 0; k < texel.nodeCount; ++k)
-            channelOverlap += double(channelWeight_[c][n + k]) * scratch_[k];
+            channelOverlap += double(channelWeight_[c][texel.firstNode + k]) * scratch_[k];
         t[kKsR + c] = float(channelOverlap / norm);
     }
 }

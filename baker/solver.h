@@ -23,12 +23,18 @@ struct TexelTask {
     static constexpr int kMostChildren = 9;
     std::array<Child, kMostChildren> children;
     int childCount = 0;
+    // Both lobes of each texel of the finer level, where that has second ones; else the children.
+    std::array<Child, 2 * kMostChildren> finerLobes;
+    int finerCount = 0;
+    const Child& finer(int i) const { return finerCount > 0 ? finerLobes[size_t(i)] : children[size_t(i)]; }
     // The LEAN lobe of a part of the texel as a child.
     void addChild(const Moments& mean, double share);
     LobeList* list = nullptr; // of coarser texels: it becomes one lobe where that is as good
     float* texel = nullptr;   // kChannels floats to fill
-    // In an isotropic chain, the anisotropic fit of the texel: a starting point for the next level.
-    float* anisotropicFit = nullptr;
+    float* second = nullptr;  // kSecondChannels where the texel may have a second lobe
+    // In a chain that is isotropic or has second lobes, the fit of one anisotropic lobe: a starting point for
+    // the next level.
+    float* oneLobe = nullptr;
 };
 
 class Solver {
@@ -51,10 +57,17 @@ private:
     static constexpr float kNoError = 1e30f; // worse than any search
     enum Family { kIsotropic, kAnisotropic };
 
+    struct FoundPair {
+        Shape shape[2];
+        float ks[2], norm[2], cross;
+        float error = kNoError;
+    };
+
     struct Texel {
         TexelTask task;
         size_t firstNode, nodeCount;
         size_t firstTerm;                        // of the children
+        size_t firstFiner, finerCount;           // of the finer level's lobes
         size_t firstListed = 0, listedCount = 0; // terms of the whole list, in place of nodes
         float energy, maxLog;
         Shape lean;                 // the closed form of the moments
@@ -62,6 +75,7 @@ private:
         bool startsAtLean = false;  // the last exact search did
         Found best[2];              // by family
         Found start[2];             // the two best minima of the mixture
+        FoundPair pair;             // where a second lobe is worth it
     };
     using Selection = std::vector<uint32_t>;
 
@@ -99,6 +113,24 @@ private:
     void fitAnisotropic(const Selection& selection);
     Selection above(const Selection& selection, Family family, float error) const;
     Selection doubtful(const Selection& selection, Family family, float error) const;
+    struct PairStart {
+        uint32_t texel;
+        Shape shape[2];
+    };
+    PairJob pairJobOf(const PairStart& start, Family family, Against against) const;
+    void runPairs(const std::vector<PairStart>& starts, Family family, Against against, int evaluations,
+                  std::vector<FoundPair>& found);
+    static FoundPair swapped(FoundPair pair);
+    static std::vector<PairStart> bestOf(const std::vector<PairStart>& starts,
+                                         const std::vector<FoundPair>& found, size_t from, size_t to);
+    static Shape strongestLobe(const Texel& texel);
+    Shape missingLobe(const Texel& texel, const Shape& fit);
+    void fitPairs(const Selection& selection, Family family);
+    std::array<double, 3> channelOverlaps(const Texel& texel, const Shape& shape);
+    void writePair(const Texel& texel);
+    void writePairColours(const Texel& texel, float* first, float* second);
+    void writeDiffuse(const TexelTask& task, glm::dvec3 normal, float* to);
+    void sampleShape(const Texel& texel, const Shape& shape);
     void write(const Texel& texel, const Found& found, float* to, bool ownKs);
     void writeSpecular(const Texel& texel, const Found& found, float* to, bool ownKs);
     void projectColours(const Texel& texel, const Shape& shape, double ks, float* to);
@@ -128,6 +160,9 @@ private:
 // were brought back, so that the error found is not the lobe's.
 void toUnknowns(const Shape& shape, float maxLog, float* unknowns);
 Shape fromUnknowns(const float* unknowns, float maxLog, bool& clamped);
+
+// The normal of a texel's diffuse term: the lobes' own, by the luminance of their Ks.
+glm::dvec3 pairNormal(const float* texel, const float* second);
 
 // Ks of one number: Rec. 709 luminance, the weight of the shape fit.
 inline double luminance(glm::dvec3 c)

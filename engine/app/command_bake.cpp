@@ -89,8 +89,9 @@ void runBake(const BakeArguments& arguments)
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
     };
     const std::string name = arguments.output.filename().string();
-    Progress progress("bake " + name, baker::progressUnits(maps) +
-                                          (arguments.reports.empty() ? 0 : baker::measureUnits(maps)));
+    Progress progress("bake " + name,
+                      baker::progressUnits(maps) +
+                          (arguments.reports.empty() ? 0 : baker::measureUnits(maps, arguments.options)));
     const auto bakeStart = std::chrono::steady_clock::now();
     // Only a report needs the levels after they are written.
     const bool keeps = !arguments.reports.empty();

@@ -60,7 +60,7 @@ void Inspector::work(const scene::Scene& scene, const std::vector<scene::BakedMa
     std::vector<baker::Level> sizes;
     for (size_t i = 0; i < reflectance.levels(); ++i) {
         const glm::ivec2 size = reflectance.normal.size(i);
-        sizes.push_back({.width = size.x, .height = size.y, .texels = {}});
+        sizes.push_back({.width = size.x, .height = size.y, .texels = {}, .second = {}});
     }
     result_.baked = reflectance.at(level, texel.x, texel.y);
     static_cast<baker::TexelLobes&>(result_) =

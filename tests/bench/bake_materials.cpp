@@ -1,6 +1,6 @@
 // How long each material of glTF models takes to bake, worst first, and how exact the fits are: seconds a
 // megatexel of level 0, and the mean of E on levels 1, 2, 3 and 5.
-//   build/bake_materials model.gltf...
+//   build/bake_materials [--lobes auto|2] model.gltf...
 #include "baker/bake.h"
 #include "core/decoder_process.h"
 #include "core/error.h"
@@ -73,9 +73,14 @@ void print(std::vector<Row>& rows)
 
 int run(int argc, char** argv)
 {
-    const baker::Options options;
+    baker::Options options;
     std::vector<Row> rows;
-    for (int i = 1; i < argc; ++i) {
+    int first = 1;
+    if (argc > 2 && argv[1] == std::string("--lobes")) {
+        options.lobes = argv[2] == std::string("2") ? baker::LobeCount::two : baker::LobeCount::automatic;
+        first = 3;
+    }
+    for (int i = first; i < argc; ++i) {
         const scene::Scene scene = scene::loadGltf(argv[i]);
         for (const scene::Material& material : scene.materials)
             if (material.bakedFile.empty())

@@ -19,7 +19,90 @@ ReflectanceMips sample(int w, int h)
 {
     return bake(normalMaps(noiseNormals(w, h, 0.2f, 7), 80.0f), {});
 }
+
+// Every second texel above level 0 has a second lobe.
+ReflectanceMips withSecondLobes(ReflectanceMips mips)
+{
+    for (size_t l = 1; l < mips.levels.size(); ++l) {
+        Level& level = mips.levels[l];
+        for (int i = 0; i < level.width * level.height; ++i) {
+            const float lobe[kSecondChannels] = {-0.3f, 0.2f, 0.01f, 0.003f, 0.02f, 0.5f, 0.25f, 0.125f};
+            level.second.insert(level.second.end(), i % 2 ? kNoSecondLobe : lobe,
+                                (i % 2 ? kNoSecondLobe : lobe) + kSecondChannels);
+        }
+    }
+    return mips;
+}
 } // namespace
+
+TEST(BakedExr, SecondLobesRoundTripFromLevelOneOn)
+{
+    Folder folder;
+    const ReflectanceMips mips = withSecondLobes(sample(13, 6));
+    for (const bool asFloat : {false, true}) {
+        writeExr(folder.path / "a.exr", mips, asFloat);
+        const ImageFile header = readExrHeader(folder.path / "a.exr");
+        EXPECT_EQ(header.channelNames.size(), size_t(kChannels) + size_t(kSecondChannels));
+        const ReflectanceMips read = readExr(folder.path / "a.exr");
+        EXPECT_TRUE(read.levels[0].second.empty());
+        for (size_t l = 1; l < mips.levels.size(); ++l) {
+            ASSERT_EQ(read.levels[l].second.size(), mips.levels[l].second.size());
+            for (size_t i = 0; i < mips.levels[l].second.size(); ++i) {
+                const float expected = mips.levels[l].second[i];
+                ASSERT_NEAR(read.levels[l].second[i], expected,
+                            asFloat ? 0.0f : std::max(1e-3f * std::abs(expected), 1e-6f));
+            }
+        }
+    }
+}
+
+TEST(BakedExr, FilesOfOneLobeHaveItsChannelsOnly)
+{
+    Folder folder;
+    writeExr(folder.path / "a.exr", sample(8, 8));
+    EXPECT_EQ(readExrHeader(folder.path / "a.exr").channelNames.size(), size_t(kChannels));
+    for (const Level& level : readExr(folder.path / "a.exr").levels)
+        EXPECT_TRUE(level.second.empty());
+}
+
+TEST(BakedExr, TheVersionOfOneLobeIsRead)
+{
+    Folder folder;
+    ReflectanceMips mips = sample(8, 8);
+    mips.version = kOneLobeVersion;
+    writeExr(folder.path / "old.exr", mips, true);
+    const ReflectanceMips read = readExr(folder.path / "old.exr");
+    EXPECT_EQ(read.version, kOneLobeVersion);
+    EXPECT_EQ(read.levels[1].texels, mips.levels[1].texels);
+    EXPECT_EQ(bakedSource(folder.path / "old.exr"), mips.source);
+}
+
+TEST(BakedExr, SecondLobesThatAreNoneAreRefused)
+{
+    Folder folder;
+    ReflectanceMips mips = withSecondLobes(sample(8, 8));
+    mips.levels[1].second[kS2xy] = 1.0f;
+    writeExr(folder.path / "a.exr", mips, true);
+    EXPECT_THROW(readExr(folder.path / "a.exr"), Error);
+    mips.levels[1].second[kS2xy] = std::nanf("");
+    writeExr(folder.path / "a.exr", mips, true);
+    EXPECT_THROW(readExr(folder.path / "a.exr"), Error);
+}
+
+TEST(BakedExr, SecondLobesKeepTheirCovarianceAsHalves)
+{
+    float thin[kSecondChannels] = {
+        0.7071f, 0.7072f, 0.5f * (1.0f + 1e-4f), 0.5f * (1.0f - 1e-4f), 0.5f * (1.0f + 1e-4f), 1e9f,
+        0.0f,    0.0f};
+    quantiseSecond(thin);
+    EXPECT_LT(thin[kN2x] * thin[kN2x] + thin[kN2y] * thin[kN2y], 1.0f);
+    EXPECT_GT(thin[kS2xx] * thin[kS2yy], thin[kS2xy] * thin[kS2xy]);
+    EXPECT_FLOAT_EQ(thin[kKs2R], 65504.0f);
+    float none[kSecondChannels];
+    std::copy_n(kNoSecondLobe, +kSecondChannels, none);
+    quantiseSecond(none);
+    EXPECT_TRUE(std::equal(none, none + kSecondChannels, kNoSecondLobe));
+}
 
 TEST(BakedExr, RoundTripsAllLevelsAndMetadata)
 {

@@ -26,6 +26,19 @@ TEST(Inspect, ErrorsAreTheBakers)
     }
 }
 
+TEST(Inspect, SecondLobesCount)
+{
+    const Maps maps = heightMaps(bumps(16, 16), 0.4f, 90.0f);
+    const std::vector<Level> fit = bake(maps, {.lobes = LobeCount::two}).levels;
+    const TexelInspector inspector(maps);
+    for (size_t level = 1; level < 4; ++level) {
+        ASSERT_FALSE(fit[level].second.empty());
+        const TexelLobes lobes =
+            inspector.look(fit, level, 0, 0, fit[level].at(0, 0), fit[level].secondAt(0, 0));
+        EXPECT_NEAR(lobes.fit.error, fit[level].at(0, 0)[kError], 3e-3) << level;
+    }
+}
+
 TEST(Inspect, PicturesShowTheAverageUpToItsPeak)
 {
     const Maps maps = smallMap();

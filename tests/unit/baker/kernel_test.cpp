@@ -81,6 +81,31 @@ double mixtureErrorAt(Problem& p, const float* unknowns)
     return p.job.error;
 }
 
+// Two lobes against a problem's average: one at its start, one to its other side.
+PairJob pairJobOf(const Problem& p, const std::vector<float>& area)
+{
+    PairJob job;
+    job.nodes = p.job.nodes;
+    job.area = area.data();
+    job.mixture = p.job.mixture;
+    job.mixtureCount = p.job.mixtureCount;
+    job.energy = p.job.energy;
+    job.maxLog = p.job.maxLog;
+    for (int i = 0; i < 2; ++i)
+        std::copy(p.job.unknowns, p.job.unknowns + kUnknowns, job.unknowns[i]);
+    job.unknowns[1][kX] -= 0.12f;
+    job.unknowns[1][kY] += 0.06f;
+    job.unknowns[1][kL1] += 0.3f;
+    job.unknowns[1][kL3] -= 0.2f;
+    return job;
+}
+
+std::vector<float> areaOf(const Problem& p)
+{
+    const float side = std::sqrt(float(p.job.nodes.count));
+    return std::vector<float>(size_t(p.job.nodes.count), 0.9f * 0.9f / (side * side));
+}
+
 std::vector<const Kernels*> instructionSets()
 {
     std::vector<const Kernels*> sets = {&kBaselineKernels, &kernels()};
@@ -181,6 +206,96 @@ TEST(Kernel, AllInstructionSetsAgreeOnAQueueOfJobs)
                     EXPECT_NEAR(jobs[seed]->error, job->error, 2e-4) << set->name << " job " << seed;
                 }
             }
+}
+
+// Against the nodes; and against the mixture, whose slopes leave out how weights change.
+TEST(Kernel, GradientOfTwoLobesMatchesFiniteDifferences)
+{
+    std::vector<float> memory = scratch();
+    for (const bool exact : {true, false})
+        for (unsigned seed = 1; seed <= 30; ++seed) {
+            const Problem p(seed);
+            const std::vector<float> area = areaOf(p);
+            PairJob job = pairJobOf(p, area);
+            float gradient[10], unused[10];
+            kernels().evaluatePair(job, exact, gradient, memory.data());
+            for (int j = 0; j < 10; ++j) {
+                float& unknown = job.unknowns[j / 5][j % 5];
+                const float step = j % 5 < 2 ? 2e-3f : 1e-2f, at = unknown;
+                unknown = at + step;
+                const double up = kernels().evaluatePair(job, exact, unused, memory.data());
+                unknown = at - step;
+                const double down = kernels().evaluatePair(job, exact, unused, memory.data());
+                unknown = at;
+                const double difference = (up - down) / (2.0 * double(step));
+                EXPECT_NEAR(gradient[j], difference,
+                            (exact ? 5e-3 : 6e-2) * std::max(0.2, std::abs(difference)))
+                    << "unknown " << j << " seed " << seed << (exact ? "" : ", mixture");
+            }
+        }
+}
+
+TEST(Kernel, SearchesForTwoLobesEndInAMinimum)
+{
+    std::vector<float> memory = scratch();
+    for (const bool isotropic : {false, true})
+        for (unsigned seed = 1; seed <= 20; ++seed) {
+            const Problem p(seed);
+            const std::vector<float> area = areaOf(p);
+            PairJob job = pairJobOf(p, area);
+            float gradient[10];
+            const double before = kernels().evaluatePair(job, true, gradient, memory.data());
+            SearchSettings settings;
+            settings.isotropic = isotropic;
+            settings.maxEvaluations = 150;
+            PairJob* one = &job;
+            kernels().minimisePairs(&one, 1, settings, memory.data());
+            EXPECT_NEAR(kernels().evaluatePair(job, true, gradient, memory.data()), job.error, 1e-5);
+            EXPECT_GE(std::min(job.ks[0], job.ks[1]), 0.0f);
+            if (isotropic)
+                continue;
+            EXPECT_LE(job.error, before + 1e-6);
+            for (int j = 0; j < 10; ++j)
+                if (j % 5 < 2) { // a lobe's width is about 0.1
+                    EXPECT_LT(std::abs(gradient[j]) * 0.1f, 1e-2f) << "seed " << seed;
+                }
+        }
+}
+
+TEST(Kernel, AllInstructionSetsAgreeOnPairs)
+{
+    constexpr unsigned kJobs = 37;
+    std::vector<float> memory = scratch();
+    for (const Kernels* set : instructionSets())
+        for (const bool exact : {true, false}) {
+            std::vector<std::unique_ptr<Problem>> problems;
+            std::vector<std::vector<float>> areas;
+            std::vector<PairJob> queue;
+            for (unsigned seed = 0; seed < kJobs; ++seed) {
+                problems.push_back(std::make_unique<Problem>(seed, seed % 3 == 0 ? 16 : 12));
+                problems.back()->job.mixtureCount = int(2 + seed % 3);
+                areas.push_back(areaOf(*problems.back()));
+                queue.push_back(pairJobOf(*problems.back(), areas.back()));
+            }
+            std::vector<PairJob> alone = queue;
+            std::vector<PairJob*> jobs;
+            for (PairJob& job : queue)
+                jobs.push_back(&job);
+            SearchSettings settings;
+            settings.isotropic = false;
+            std::fill(memory.begin(), memory.end(), std::nanf("")); // previous contents must not matter
+            const auto search = [&](const Kernels& k) {
+                return exact ? k.minimisePairs : k.minimisePairMixtures;
+            };
+            search (*set)(jobs.data(), kJobs, settings, memory.data());
+            double difference = 0.0;
+            for (unsigned seed = 0; seed < kJobs; ++seed) {
+                PairJob* job = &alone[seed];
+                search(kScalarKernels)(&job, 1, settings, memory.data());
+                difference += std::abs(double(queue[seed].error) - job->error) / kJobs;
+            }
+            EXPECT_LT(difference, 2e-4) << set->name; // rounding may take a search to another minimum
+        }
 }
 
 TEST(Kernel, AllInstructionSetsAverageAlike)

@@ -58,6 +58,68 @@ inline OracleSums oracleSums(const std::vector<OracleLobe>& lobes, const OracleL
     return sums;
 }
 
+// Calls `visit` with the half vector and the area of each midpoint on the disc.
+template<class Visit>
+void forDisc(int cells, const Visit& visit)
+{
+    const double h = 2.0 / cells;
+    for (int j = 0; j < cells; ++j)
+        for (int i = 0; i < cells; ++i) {
+            const double x = -1.0 + (i + 0.5) * h, y = -1.0 + (j + 0.5) * h, z2 = 1.0 - x * x - y * y;
+            if (z2 > 0.0)
+                visit(x, y, std::sqrt(z2), h * h);
+        }
+}
+
+// E of several lobes with the Ks that they have.
+inline double oracleError(const std::vector<OracleLobe>& lobes, const std::vector<OracleLobe>& fit, int cells)
+{
+    double energy = 0.0, error = 0.0;
+    forDisc(cells, [&](double x, double y, double z, double area) {
+        double g = 0.0, f = 0.0;
+        for (const OracleLobe& l : lobes)
+            g += l.share * l.ks * oracleShape(l, x, y, z);
+        for (const OracleLobe& l : fit)
+            f += l.ks * oracleShape(l, x, y, z);
+        energy += area * g * g;
+        error += area * (g - f) * (g - f);
+    });
+    return error / energy;
+}
+
+// The least E of any two of the candidates, each pair with its best Ks, none below 0.
+inline double bestPairError(const std::vector<OracleLobe>& lobes, const std::vector<OracleLobe>& candidates,
+                            int cells)
+{
+    const size_t count = candidates.size();
+    std::vector<double> overlaps(count), gram(count * count), f(count);
+    double energy = 0.0;
+    forDisc(cells, [&](double x, double y, double z, double area) {
+        double g = 0.0;
+        for (const OracleLobe& l : lobes)
+            g += l.share * l.ks * oracleShape(l, x, y, z);
+        energy += area * g * g;
+        for (size_t i = 0; i < count; ++i) {
+            f[i] = oracleShape(candidates[i], x, y, z);
+            overlaps[i] += area * g * f[i];
+            for (size_t j = 0; j <= i; ++j)
+                gram[i * count + j] += area * f[i] * f[j];
+        }
+    });
+    double most = 0.0;
+    for (size_t i = 0; i < count; ++i)
+        for (size_t j = 0; j < i; ++j) {
+            const double a = gram[i * count + i], b = gram[j * count + j], c = gram[i * count + j],
+                         det = a * b - c * c;
+            const double k1 = (overlaps[i] * b - overlaps[j] * c) / det,
+                         k2 = (overlaps[j] * a - overlaps[i] * c) / det;
+            most = std::max(most, overlaps[i] * overlaps[i] / a);
+            if (k1 > 0.0 && k2 > 0.0)
+                most = std::max(most, k1 * overlaps[i] + k2 * overlaps[j]);
+        }
+    return 1.0 - most / energy;
+}
+
 inline OracleLobe oracleLobe(const float* texel, double share = 1.0)
 {
     return {texel[kNx], texel[kNy], texel[kSxx], texel[kSxy], texel[kSyy], texel[kKsR], share};

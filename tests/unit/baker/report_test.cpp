@@ -30,6 +30,27 @@ TEST(Report, ComparesTheFitWithEveryClosedForm)
     }
 }
 
+TEST(Report, ShowsOneLobeBesideTwo)
+{
+    const Maps maps = heightMaps(bumps(32, 32), 0.4f, 120.0f);
+    Options options;
+    options.lobes = LobeCount::automatic;
+    const ReflectanceMips mips = bake(maps, options);
+    const Report report = makeReport(maps, options, mips, 0.1);
+    const auto json = nlohmann::json::parse(reportJson(report));
+    for (const auto& level : json["levels"]) {
+        ASSERT_EQ(level["methods"].size(), 8u);
+        const auto &two = level["methods"][0], &one = level["methods"][1];
+        EXPECT_EQ(two["method"], "fit");
+        EXPECT_EQ(one["method"], "one lobe");
+        EXPECT_LE(two["mean"].get<double>(), one["mean"].get<double>());
+        for (const auto* method : {&two, &one})
+            EXPECT_NEAR((*method)["measured"]["mean"], (*method)["mean"], 4e-3) << level["level"];
+    }
+    EXPECT_LT(json["levels"][1]["methods"][0]["mean"], 0.8 * double(json["levels"][1]["methods"][1]["mean"]));
+    EXPECT_NE(reportHtml(report).find("one lobe"), std::string::npos);
+}
+
 TEST(Report, PageIsSelfContained)
 {
     const Maps maps = normalMaps(noiseNormals(32, 32, 0.2f, 6), 60.0f);
