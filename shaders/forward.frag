@@ -37,15 +37,21 @@ MaterialTexel materialHere(vec4 dx, vec4 dy)
     Footprint reflectance = footprintIn(mapNormal, dx.xy, dy.xy), emissive = footprintIn(mapEmissive, dx.zw, dy.zw);
     int taps = reflectanceTaps(max(reflectance.elongation, emissive.elongation));
     MaterialTexel sum = noMaterial();
-    LobeMoments lobes = noMoments();
+    LobeMoments lobes = noMoments(), second = noMoments();
     for (int i = 0; i < taps; ++i) {
         MaterialTexel texel = sampleMaterial(uv + alongAxis(i, taps) * vec4(reflectance.axis, emissive.axis),
                                              vec2(reflectance.level, emissive.level));
         addMaterial(sum, texel, 1.0 / float(taps));
         lobes = plusLobe(lobes, lobeStrength(texel.specular), texel.normal, texel.covariance);
+        if (kTwoLobes)
+            second = plusLobe(second, lobeStrength(texel.second.specular), texel.second.normal, texel.second.covariance);
     }
     sum.normal = momentNormal(lobes);
     sum.covariance = momentCovariance(lobes, tapSpread(float(taps)));
+    if (kTwoLobes) {
+        sum.second.normal = momentNormal(second);
+        sum.second.covariance = momentCovariance(second, tapSpread(float(taps)));
+    }
     return sum;
 }
 
@@ -103,7 +109,9 @@ void main()
     if ((push.flags & kObjectMask) != 0u && opacity < push.alphaCutoff)
         discard;
     MaterialTexel material = materialHere(dx, dy);
-    material.covariance += slopeWithinPixel(material.normal, dx, dy);
+    vec3 slope = slopeWithinPixel(material.normal, dx, dy);
+    material.covariance += slope;
+    material.second.covariance += slope;
     if (kColoured)
         material = tinted(push.flags, push.dielectric, material, max(tint.rgb, vec3(0.0)));
     ShadingPoint point = shadingPoint(

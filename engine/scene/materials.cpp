@@ -25,8 +25,12 @@ BakedMaterial bakeOne(const Scene& scene, const Material& material, Decoded deco
     Progress progress(label, baker::progressUnits(decoded.maps));
     BakedMaterial baked;
     try {
-        baked.reflectance =
-            baker::bake(decoded.maps, {options.method, options.model, options.threads}, &progress);
+        baked.reflectance = baker::bake(decoded.maps,
+                                        {.method = options.method,
+                                         .model = options.model,
+                                         .threads = options.threads,
+                                         .lobes = options.lobes},
+                                        &progress);
     } catch (const Error& e) { // the baker knows maps, not files
         throw Error(fmt::format("{}: material '{}': {}", scene.file.string(), material.name, e.what()));
     }

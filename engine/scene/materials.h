@@ -18,6 +18,7 @@ struct BakedMaterial {
 struct MaterialOptions {
     baker::Method method = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;
+    baker::LobeCount lobes = baker::LobeCount::one; // of the method fit
     bool useCache = true;
     int threads = 0; // 0 = all cores
 };

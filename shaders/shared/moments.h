@@ -9,6 +9,7 @@
 #ifndef LUMEL_SHARED_MOMENTS_H
 #define LUMEL_SHARED_MOMENTS_H
 #include "lobe.h"
+#include "meter.h"
 LUMEL_SHARED_BEGIN
 
 struct LobeMoments {
@@ -17,6 +18,9 @@ struct LobeMoments {
     vec3 product;    // of K mu mu^T: xx, xy, yy
     vec3 covariance; // of K S
 };
+
+// Times this, products of strength and covariance are no subnormal half floats.
+LUMEL_CONST float kSecondCovarianceScale = 64.0f;
 
 LUMEL_FN LobeMoments noMoments()
 {
@@ -31,7 +35,7 @@ LUMEL_FN LobeMoments noMoments()
 // K of Ks. Never 0: what reflects nothing has a normal for its diffuse part.
 LUMEL_FN float lobeStrength(vec3 specular)
 {
-    return (specular.x + specular.y + specular.z) * (1.0f / 3.0f) + 1e-6f;
+    return luminanceOf(specular) + 1e-6f;
 }
 
 LUMEL_FN LobeMoments plusLobe(LobeMoments sum, float strength, vec2 normal, vec3 covariance)
