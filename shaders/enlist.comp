@@ -75,6 +75,8 @@ uint surfaceNumber(LitObject object, TileState state)
                  latest - state.surface < capacity - surfacesAFrame(capacity);
     if (holds)
         return state.surface;
+    if ((objectFlags(object) & kObjectSecondLobe) != 0u)
+        return 0u; // records hold one lobe
     bool moves = (objectFlags(object) & kObjectDeformed) != 0u || object.changed + kRestFrames > view.frame;
     if (moves || capacity == 0u)
         return 0u;

@@ -37,17 +37,36 @@ MaterialTexel materialHere(vec4 dx, vec4 dy)
     Footprint reflectance = footprintIn(mapNormal, dx.xy, dy.xy), emissive = footprintIn(mapEmissive, dx.zw, dy.zw);
     int taps = reflectanceTaps(max(reflectance.elongation, emissive.elongation));
     MaterialTexel sum = noMaterial();
-    vec3 products = vec3(0.0); // mean of the normal's xx, xy, yy
+    LobeMoments lobes = noMoments(), second = noMoments();
     for (int i = 0; i < taps; ++i) {
         MaterialTexel texel = sampleMaterial(uv + alongAxis(i, taps) * vec4(reflectance.axis, emissive.axis),
                                              vec2(reflectance.level, emissive.level));
         addMaterial(sum, texel, 1.0 / float(taps));
-        products += texel.normal.xxy * texel.normal.xyy / float(taps);
+        lobes = plusLobe(lobes, lobeStrength(texel.specular), texel.normal, texel.covariance);
+        if (kTwoLobes)
+            second = plusLobe(second, lobeStrength(texel.second.specular), texel.second.normal, texel.second.covariance);
     }
-    // One lobe stands for those of all taps: how far their normals spread is part of its width (Olano and Baker 2010,
-    // "LEAN Mapping", section 3). Without it, highlights would be as sharp as on a single tap's texel.
-    sum.covariance += max(products - sum.normal.xxy * sum.normal.xyy, vec3(0.0, -1.0, 0.0));
+    sum.normal = momentNormal(lobes);
+    sum.covariance = momentCovariance(lobes, tapSpread(float(taps)));
+    if (kTwoLobes) {
+        sum.second.normal = momentNormal(second);
+        sum.second.covariance = momentCovariance(second, tapSpread(float(taps)));
+    }
     return sum;
+}
+
+// Texels of level 0 hold no slope, as those of coarser levels do: a pixel as large as one sees its normal turn within it,
+// and is as wide as that makes it. The variance over a pixel is a twelfth of its difference squared. (Kaplanyan et al.
+// 2016, "Filtering Distributions of Normals for Shading Antialiasing", take it from screen derivatives too.)
+vec3 slopeWithinPixel(vec2 normal, vec4 dx, vec4 dy)
+{
+    vec2 alongX = dFdx(normal), alongY = dFdy(normal);
+    if (push.draw.level >= 0.0)
+        return vec3(0.0); // many samples make a pixel
+    Footprint footprint = footprintIn(mapNormal, dx.xy, dy.xy);
+    bool manyTaps = kAnisotropy != 1u && reflectanceTaps(footprint.elongation) > 1; // they have seen the slope
+    float share = manyTaps ? 0.0 : clamp(1.0 - footprint.level, 0.0, 1.0);
+    return share / 12.0 * (alongX.xxy * alongX.xyy + alongY.xxy * alongY.xyy);
 }
 
 float opacityHere(vec4 dx, vec4 dy)
@@ -90,6 +109,9 @@ void main()
     if ((push.flags & kObjectMask) != 0u && opacity < push.alphaCutoff)
         discard;
     MaterialTexel material = materialHere(dx, dy);
+    vec3 slope = slopeWithinPixel(material.normal, dx, dy);
+    material.covariance += slope;
+    material.second.covariance += slope;
     if (kColoured)
         material = tinted(push.flags, push.dielectric, material, max(tint.rgb, vec3(0.0)));
     ShadingPoint point = shadingPoint(

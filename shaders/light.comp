@@ -97,10 +97,15 @@ void beginTile(LitObject object, JobTile job)
 
 LumelSurface surfaceOfLumel(uvec2 lumel)
 {
-    LumelSurface result = LumelSurface(noSurface(), uvec2(0u), false);
+    LumelSurface result;
+    result.record = noSurface();
+    result.visible = uvec2(0u);
     uint triangle = texelOfTile(tileSurface.texels, tileTexels, lumel) & kTexelTriangleMask;
-    if (triangle != 0u)
-        result.record = packSurface(pointOf(tileSurface, lumel, triangle));
+    if (triangle != 0u) {
+        SurfacePoint point = pointOf(tileSurface, lumel, triangle);
+        result.record = packSurface(point);
+        result.second = point.second;
+    }
     result.changed = true;
     return result;
 }

@@ -96,7 +96,10 @@ void main()
         shown = texel.specular;
     else if (push.kind == kViewError)
         shown = heat(textureLod(mapDiffuse, materialUv.xy, level).w / 0.25);
-    else if (push.kind == kViewPower || push.kind == kViewAnisotropy)
+    else if (push.kind == kViewLobes) {
+        float second = luminanceOf(texel.second.specular), first = luminanceOf(texel.specular);
+        shown = second > 0.0 ? heat(2.0 * second / max(first + second, 1e-6)) : vec3(0.05);
+    } else if (push.kind == kViewPower || push.kind == kViewAnisotropy)
         shown = lobeView(texel);
     else
         shown = inTextureSpace ? tileView(object, lit.level + view.levelOffset) : vec3(0.05);

@@ -150,6 +150,7 @@ BenchRunner::Uploaded BenchRunner::upload(const scene::Scene& scene) const
         const std::vector<scene::BakedMaterial> baked =
             scene::bakeMaterials(scene, {.method = method,
                                          .model = arguments_.model,
+                                         .lobes = arguments_.lobes,
                                          .useCache = arguments_.useCache,
                                          .threads = arguments_.threads,
                                          .quick = arguments_.quick});

@@ -85,6 +85,7 @@ std::string shotCommand(const SceneArguments& a, const scene::ViewCamera& camera
         options.set("--material", name + "=" + std::filesystem::absolute(file).string());
     options.add("--filter", a.filter, defaults.filter, kFilterNames);
     options.add("--model", a.model, defaults.model, kModelNames);
+    options.add("--lobes", a.lobes, defaults.lobes, kLobeNames);
     addSettings(options, a);
     options.add("--device", a.device.device, defaults.device.device);
     return "lumel shot " + quoted(std::filesystem::absolute(a.scene).string()) + options.text();

@@ -114,6 +114,7 @@ void runShot(const ShotArguments& arguments)
     const scene::Camera camera = chooseCamera(arguments, scene).camera;
     const auto materials = scene::bakeMaterials(scene, {.method = arguments.filter,
                                                         .model = arguments.model,
+                                                        .lobes = arguments.lobes,
                                                         .useCache = arguments.useCache,
                                                         .threads = arguments.threads,
                                                         .quick = arguments.quick});

@@ -45,6 +45,7 @@ struct SceneArguments {
     std::vector<std::pair<std::string, std::filesystem::path>> materialFiles; // name, baked file
     baker::Method filter = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;
+    baker::LobeCount lobes = baker::LobeCount::one;
     bool useCache = true;
     bool quick = false; // materials that are not in the cache are not baked
     int threads = 0;

@@ -30,6 +30,8 @@ void addSceneOptions(Command& command, SceneArguments& arguments);
 void addQuick(Command& command, SceneArguments& arguments);
 void addPathOptions(Command& command, PathOptions& path);
 void checkPath(const PathOptions& path); // after parsing; throws UsageError
+inline constexpr const char* kLobesHelp =
+    "lobes of a texel; auto: a second one where it lowers the error by a quarter and by 0.005";
 inline constexpr const char* kFilterHelp =
     "how MIP levels of the reflectance are made: fitted to the "
     "average, or average, flat, height, toksvig or lean; fit-power keeps the average normal";

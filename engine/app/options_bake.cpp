@@ -7,7 +7,6 @@ namespace {
 
 constexpr std::array kReconstructionNames{"box", "bilinear"}; // baker::Reconstruction
 constexpr std::array kWrapNames{"repeat", "clamp"};           // baker::Wrap
-constexpr std::array kLobeNames{"1", "2", "auto"};            // baker::LobeCount
 constexpr std::array kGreenNames{"down", "up"};
 
 void addSurface(Command& command, BakeArguments& a)
@@ -48,9 +47,7 @@ void addFit(Command& command, BakeArguments& a)
     addNumber(command, "--precision", 0.0, 1.0, "",
               "closed forms with less error stay, and the fit may be that much worse; 0 is slow and exact",
               a.options.precision);
-    addChoice(command, "--lobes", kLobeNames,
-              "lobes of a texel; auto: a second one where it lowers the error by a quarter and by 0.005",
-              a.options.lobes);
+    addChoice(command, "--lobes", kLobeNames, kLobesHelp, a.options.lobes);
     addNumber(command, "--reduce", 0, 13, "", "drop the N finest levels: level 0 is then fitted",
               a.options.reduce);
     addChoice(command, "--reconstruction", kReconstructionNames,

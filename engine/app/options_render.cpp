@@ -115,6 +115,7 @@ void addScene(Command& command, SceneArguments& a)
                         [&a](const std::string& text) { return readMaterial(text, a); });
     addChoice(command, "--filter", kFilterNames, kFilterHelp, a.filter);
     addChoice(command, "--model", kModelNames, "specular lobe of materials", a.model);
+    addChoice(command, "--lobes", kLobeNames, kLobesHelp, a.lobes);
 }
 
 void addMachine(Command& command, SceneArguments& a)

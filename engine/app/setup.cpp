@@ -110,6 +110,7 @@ RunInfo describeRun(const SceneArguments& arguments, const PathOptions& path, co
                             {"path", kPathNames[size_t(path.path)]},
                             {"step", text(path.stepOrDefault())},
                             {"model", kModelNames[size_t(arguments.model)]},
+                            {"lobes", kLobeNames[size_t(arguments.lobes)]},
                             {"environment", arguments.environment.empty() ? "auto" : arguments.environment}}};
     run.options.merge(settingTexts(settings));
     if (arguments.lights > 0)

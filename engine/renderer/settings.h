@@ -37,7 +37,8 @@ enum class View {
     specular,
     error,
     overshading,
-    pool
+    pool,
+    lobes
 };
 
 struct Settings {

@@ -13,6 +13,7 @@ namespace {
 
 constexpr const char* kMapsVersion = "3"; // raise when material_maps.cpp changes its results
 constexpr const char* kEnding = ".maps";
+constexpr size_t kChains = 7;                        // of an entry
 constexpr int kMaxSide = 16384;                      // texels, of an image
 constexpr uintmax_t kMaxBytes = uintmax_t(12) << 30; // the most that one scene may need, and a little more
 
@@ -45,15 +46,15 @@ void addField(ContentHash& hash, const Field& field)
 // An entry: this, then the chains' texels.
 struct Header {
     // Another number when half_maps.cpp, baseReflectance() or emissiveChain() change their results.
-    std::array<char, 16> format = {"lumel maps 1"};
+    std::array<char, 16> format = {"lumel maps 2"};
     std::array<char, 32> key{}, contents{}; // hashes: of what was baked, and of sizes and texels
-    std::array<glm::ivec2, 5> sizes{};
+    std::array<glm::ivec2, kChains> sizes{};
 };
 
-std::array<const HalfChain*, 5> chainsOf(const BakedMaterial& baked)
+std::array<const HalfChain*, kChains> chainsOf(const BakedMaterial& baked)
 {
     const Reflectance& r = baked.reflectance;
-    return {&r.normal, &r.specular, &r.diffuse, &r.base, &baked.emissive};
+    return {&r.normal, &r.specular, &r.diffuse, &r.base, &baked.emissive, &r.second, &r.secondSpecular};
 }
 
 std::array<char, 32> digits(const std::string& hash)
@@ -66,7 +67,7 @@ std::array<char, 32> digits(const std::string& hash)
 using Bytes = std::span<const std::byte>;
 
 // Hashes parts of 1 MiB on all cores, then their hashes.
-std::array<char, 32> hashOf(const std::array<glm::ivec2, 5>& sizes, std::span<const Bytes> chains)
+std::array<char, 32> hashOf(const std::array<glm::ivec2, kChains>& sizes, std::span<const Bytes> chains)
 {
     constexpr size_t kPart = 1 << 20;
     ContentHash all;
@@ -95,10 +96,12 @@ BakedMaterial readEntry(const std::filesystem::path& path, const std::string& ke
     rest = rest.subspan(sizeof header);
     if (header.format != Header().format || header.key != digits(key))
         throw damaged();
-    std::array<HalfChain, 5> chains;
-    std::array<Bytes, 5> bytes;
+    std::array<HalfChain, kChains> chains;
+    std::array<Bytes, kChains> bytes;
     for (size_t i = 0; i < chains.size(); ++i) {
         const glm::ivec2 size = header.sizes[i];
+        if (size == glm::ivec2(0) && i >= kChains - 2)
+            continue; // no second lobes
         if (std::min(size.x, size.y) < 1 || std::max(size.x, size.y) > kMaxSide ||
             HalfChain::byteCount(size) > rest.size())
             throw damaged();
@@ -108,12 +111,14 @@ BakedMaterial readEntry(const std::filesystem::path& path, const std::string& ke
     }
     if (!rest.empty() || header.contents != hashOf(header.sizes, bytes))
         throw damaged();
-    auto& [normal, specular, diffuse, base, emissive] = chains;
+    auto& [normal, specular, diffuse, base, emissive, second, secondSpecular] = chains;
     BakedMaterial baked;
     baked.reflectance.normal = normal;
     baked.reflectance.specular = specular;
     baked.reflectance.diffuse = diffuse;
     baked.reflectance.base = base;
+    baked.reflectance.second = second;
+    baked.reflectance.secondSpecular = secondSpecular;
     baked.emissive = emissive;
     return baked;
 }
@@ -122,7 +127,7 @@ void writeEntry(const std::filesystem::path& path, const std::string& key, const
 {
     Header header;
     header.key = digits(key);
-    std::array<Bytes, 5> bytes;
+    std::array<Bytes, kChains> bytes;
     const auto chains = chainsOf(baked);
     for (size_t i = 0; i < chains.size(); ++i) {
         header.sizes[i] = chains[i]->size();
@@ -173,7 +178,7 @@ std::string BakeCache::inputKey(const Material& material) const
     m.doubleSided = false;
     ContentHash hash;
     hash.add(std::string(baker::kVersion)).add(std::string(kMapsVersion));
-    hash.addValue(options_.method).addValue(options_.model);
+    hash.addValue(options_.method).addValue(options_.model).addValue(options_.lobes);
     const auto add = [&](const auto& field) {
         // Integers are indices of images: their contents count, not where they stand in the file.
         if constexpr (std::is_same_v<decltype(field), const int&>)
@@ -188,7 +193,8 @@ std::string BakeCache::inputKey(const Material& material) const
 std::string BakeCache::key(const baker::Maps& maps, const Image& emissive) const
 {
     ContentHash hash;
-    hash.add(baker::sourceHash(maps, {options_.method, options_.model}));
+    hash.add(baker::sourceHash(
+        maps, {.method = options_.method, .model = options_.model, .lobes = options_.lobes}));
     hash.addValue(emissive.width).addValue(emissive.height).addValue(emissive.channels);
     hash.add(emissive.pixels.data(), emissive.pixels.size() * sizeof(float));
     return hash.hex();

@@ -1,5 +1,6 @@
 #include "half_maps.h"
 #include "material_maps.h"
+#include "shared/moments.h"
 #include <bit>
 #include <tbb/parallel_for.h>
 
@@ -46,6 +47,49 @@ HalfChain chainOf(const baker::ReflectanceMips& mips, const Channels& channels)
     const auto halves = std::make_shared<const std::vector<uint16_t>>(pack(mips, channels));
     const baker::Level& finest = mips.levels.front();
     return {{finest.width, finest.height}, halves->data(), halves};
+}
+
+float secondStrength(const float* t)
+{
+    return shared::luminanceOf({t[baker::kKs2R], t[baker::kKs2G], t[baker::kKs2B]});
+}
+
+glm::vec4 packSecond(const float* t)
+{
+    const float k = secondStrength(t), s = k * shared::kSecondCovarianceScale;
+    return {k * t[baker::kN2x], k * t[baker::kN2y], s * t[baker::kS2xx], s * t[baker::kS2yy]};
+}
+
+glm::vec4 packSecondSpecular(const float* t)
+{
+    const float s = secondStrength(t) * shared::kSecondCovarianceScale;
+    return {t[baker::kKs2R], t[baker::kKs2G], t[baker::kKs2B], s * t[baker::kS2xy]};
+}
+
+// One of the two maps of second lobes, from level 1 on.
+HalfChain secondChain(const baker::ReflectanceMips& mips, glm::vec4 (*pack)(const float* texel))
+{
+    std::vector<Image> levels;
+    for (size_t l = 1; l < mips.levels.size(); ++l) {
+        const baker::Level& level = mips.levels[l];
+        Image& image = levels.emplace_back(level.width, level.height, 4);
+        tbb::parallel_for(0, level.height, [&](int y) {
+            for (int x = 0; x < level.width; ++x) {
+                const glm::vec4 packed = pack(level.secondAt(x, y));
+                std::copy_n(&packed.x, 4, image.at(x, y));
+            }
+        });
+    }
+    return HalfChain(levels);
+}
+
+bool hasSecondLobes(const baker::ReflectanceMips& mips)
+{
+    for (const baker::Level& level : mips.levels)
+        for (size_t i = 0; i < level.second.size(); i += baker::kSecondChannels)
+            if (secondStrength(level.second.data() + i) > 0.0f)
+                return true;
+    return false;
 }
 
 } // namespace
@@ -107,11 +151,20 @@ Reflectance::Reflectance(baker::ReflectanceMips mips)
             float* texel = level.texels.data() + size_t(y) * size_t(level.width) * baker::kChannels;
             for (int x = 0; x < level.width; ++x, texel += baker::kChannels)
                 baker::quantise(texel);
+            if (level.second.empty())
+                return;
+            float* second = level.second.data() + size_t(y) * size_t(level.width) * baker::kSecondChannels;
+            for (int x = 0; x < level.width; ++x, second += baker::kSecondChannels)
+                baker::quantiseSecond(second);
         });
     normal = chainOf(mips, kNormal);
     specular = chainOf(mips, kSpecular);
     diffuse = chainOf(mips, kDiffuse);
     base = HalfChain(baseReflectance(mips));
+    if (hasSecondLobes(mips)) {
+        second = secondChain(mips, packSecond);
+        secondSpecular = secondChain(mips, packSecondSpecular);
+    }
 }
 
 std::array<float, baker::kChannels> Reflectance::at(size_t level, int x, int y) const
@@ -125,6 +178,19 @@ std::array<float, baker::kChannels> Reflectance::at(size_t level, int x, int y) 
     take(normal, kNormal);
     take(specular, kSpecular);
     take(diffuse, kDiffuse);
+    return texel;
+}
+
+std::array<float, baker::kSecondChannels> Reflectance::secondAt(size_t level, int x, int y) const
+{
+    auto texel = std::to_array(baker::kNoSecondLobe);
+    if (level == 0 || !hasSecond())
+        return texel;
+    const glm::vec4 lobe = second.at(level - 1, x, y), specular = secondSpecular.at(level - 1, x, y);
+    const float k = shared::luminanceOf(glm::vec3(specular)), s = k * shared::kSecondCovarianceScale;
+    if (k > 0.0f)
+        texel = {lobe.x / k, lobe.y / k, lobe.z / s, specular.w / s,
+                 lobe.w / s, specular.x, specular.y, specular.z};
     return texel;
 }
 

@@ -47,14 +47,21 @@ struct Reflectance {
     HalfChain specular; // Ks, S.xy
     HalfChain diffuse;  // Kd, E
     HalfChain base;     // of baseReflectance()
+    // Second lobes, premultiplied by their strength K so that what has none does not count where texels are
+    // filtered (material.glsl). They begin with level 1; empty in a chain without any.
+    HalfChain second;         // K N2.x, K N2.y, k K S2.xx, k K S2.yy; k is kSecondCovarianceScale
+    HalfChain secondSpecular; // Ks2, k K S2.xy
 
     Reflectance() = default;
     Reflectance(baker::ReflectanceMips mips); // NOLINT: the same in another form
 
     glm::ivec2 size() const { return normal.size(); }
     size_t levels() const { return normal.levels(); }
+    bool hasSecond() const { return second.size().x > 0; }
     // By baker::Channel.
     std::array<float, baker::kChannels> at(size_t level, int x, int y) const;
+    // By baker::SecondChannel; kNoSecondLobe where there is none.
+    std::array<float, baker::kSecondChannels> secondAt(size_t level, int x, int y) const;
 };
 
 } // namespace lumel::scene

@@ -37,7 +37,10 @@ MaterialBaker::~MaterialBaker() = default;
 
 baker::Options MaterialBaker::bakeOptions() const
 {
-    return {options_.method, options_.model, options_.threads};
+    return {.method = options_.method,
+            .model = options_.model,
+            .threads = options_.threads,
+            .lobes = options_.lobes};
 }
 
 // For messages.

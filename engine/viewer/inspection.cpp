@@ -63,8 +63,9 @@ void Inspector::work(const scene::Scene& scene, const std::vector<scene::BakedMa
         sizes.push_back({.width = size.x, .height = size.y, .texels = {}, .second = {}});
     }
     result_.baked = reflectance.at(level, texel.x, texel.y);
+    const auto second = reflectance.secondAt(level, texel.x, texel.y);
     static_cast<baker::TexelLobes&>(result_) =
-        maps_->inspector.look(sizes, level, texel.x, texel.y, result_.baked.data());
+        maps_->inspector.look(sizes, level, texel.x, texel.y, result_.baked.data(), second.data());
     result_.texel = texel;
     result_.material = scene.materials[texel.material].name;
     result_.width = sizes[level].width;

@@ -14,6 +14,7 @@ scene::MaterialOptions Viewer::bakeOptions(baker::Method method) const
 {
     return {.method = method,
             .model = arguments_.model,
+            .lobes = arguments_.lobes,
             .useCache = arguments_.useCache,
             .threads = arguments_.threads};
 }

@@ -70,13 +70,17 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
     lights_.reset();
 }
 
+void ViewRenderers::restart(Slot& slot)
+{
+    slot.renderer.reset();
+    slot.exact.reset();
+    slot.rendered = slot.isExact = false;
+}
+
 void ViewRenderers::restart()
 {
-    for (Slot& slot : slots_) {
-        slot.renderer.reset();
-        slot.exact.reset();
-        slot.rendered = slot.isExact = false;
-    }
+    for (Slot& slot : slots_)
+        restart(slot);
 }
 
 void ViewRenderers::prepare(Slot& slot, const ui::ViewState& state, baker::Method method,

@@ -109,6 +109,7 @@ private:
     std::optional<baker::Method> firstOf(const ui::ViewState& state, const Asked& asked) const;
     void replace(Bake& bake, baker::Method method, size_t material, const scene::Reflectance& reflectance);
     SceneResources resourcesOf(baker::Method method); // of materials that are there
+    static void restart(Slot& slot);
     void prepare(Slot& slot, const ui::ViewState& state, baker::Method method, const Settings& settings);
     // The slot of a side as the state asks for.
     Slot& prepareSide(const ui::ViewState& state, glm::uvec2 size, size_t side);

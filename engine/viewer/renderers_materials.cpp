@@ -6,7 +6,7 @@ namespace {
 
 bool sameSizes(const scene::Reflectance& a, const scene::Reflectance& b)
 {
-    return a.size() == b.size() && a.base.size() == b.base.size();
+    return a.size() == b.size() && a.base.size() == b.base.size() && a.second.size() == b.second.size();
 }
 
 } // namespace
@@ -56,6 +56,13 @@ void ViewRenderers::replace(Bake& bake, baker::Method method, size_t material,
     }
     if (!bake.uploaded)
         return;
+    if (!sameSizes(before, reflectance)) { // second lobes, which have maps and pipelines of their own
+        for (Slot& slot : slots_)
+            if (slot.method == method)
+                restart(slot);
+        bake.uploaded.reset();
+        return;
+    }
     bake.uploaded->replace(device_, material, before, reflectance);
     for (Slot& slot : slots_)
         if (slot.renderer && slot.method == method) {

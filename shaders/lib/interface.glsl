@@ -37,6 +37,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) writeonly buffer S
 
 // Pipelines by what lights their objects. The draw filter is constant 1.
 layout(constant_id = 0) const uint kFeatures = 0u; // kFeature...
+const bool kTwoLobes = (kFeatures & kFeatureSecondLobe) != 0u;
 const bool kColoured = (kFeatures & kFeatureColoured) != 0u;
 
 // Of the frame. Uniform buffers: loads that are the same for all invocations are cheap from there.

@@ -17,6 +17,7 @@ const bool kKnownShadows = (kFeatures & kFeatureKnownShadows) != 0u;
 // A lumel's surface, and what is known of the lights that reach it: 8 bits for each shadow map.
 struct LumelSurface {
     SurfaceRecord record; // noSurface() where there is none
+    SecondSurfaceLobe second; // no part of the record
     uvec2 visible;
     bool changed; // since it was written to the surface cache
 };
@@ -96,7 +97,10 @@ float lightLumel(JobTile job, uint flags, uint quad, uvec2 lumel, ivec3 place)
     uint unknown = isKnown ? job.shadows >> kMaxShadows : shadowsListed;
     float change = 0.0;
     if (isSurface(surface.record)) {
-        ShadingPoint point = shadingPoint(flags, unpackSurface(surface.record));
+        SurfacePoint here = unpackSurface(surface.record);
+        if (kTwoLobes)
+            here.second = surface.second;
+        ShadingPoint point = shadingPoint(flags, here);
         if (!kKnownShadows)
             findVisibility(point, unknown);
         vec3 radiance = storable(point.radiance + reflectedFromListed(point));

@@ -2,6 +2,7 @@
 #ifndef LUMEL_MATERIAL_GLSL
 #define LUMEL_MATERIAL_GLSL
 #include "lib/surface.glsl"
+#include "shared/moments.h"
 #include "shared/tint.h"
 
 layout(set = 1, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
@@ -10,9 +11,24 @@ layout(set = 1, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
 layout(set = 1, binding = 3) uniform sampler2D mapEmissive;     // emitted radiance, ambient occlusion
 layout(set = 1, binding = 4) uniform sampler2D mapOpacity;  // in x; read by forward.frag only
 layout(set = 1, binding = 5) uniform sampler2D mapBase;     // mean F0, mean variance of the level-0 lobes
+// Second lobes from level 1 on, premultiplied by their strength K; k is kSecondCovarianceScale.
+layout(set = 1, binding = 6) uniform sampler2D mapSecond;         // K N2.x, K N2.y, k K S2.xx, k K S2.yy
+layout(set = 1, binding = 7) uniform sampler2D mapSecondSpecular; // Ks2, k K S2.xy
 
 const bool kConstantEmission = (kFeatures & kFeatureConstantEmission) != 0u;
 const bool kConstantBase = (kFeatures & kFeatureConstantBase) != 0u;
+
+// A lobe as texels hold it.
+struct LobeTexel {
+    vec2 normal;
+    vec3 covariance;
+    vec3 specular;
+};
+
+LobeTexel noLobe()
+{
+    return LobeTexel(vec2(0.0), vec3(1.0, 0.0, 1.0), vec3(0.0));
+}
 
 struct MaterialTexel {
     vec2 normal;
@@ -23,12 +39,27 @@ struct MaterialTexel {
     float occlusion;
     vec3 f0; // mean of the level-0 texels
     float baseVariance;
+    LobeTexel second;
 };
 
-MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 emissive, vec4 base)
+// level: of the reflectance.
+LobeTexel sampleSecond(vec2 uv, float level)
+{
+    if (!kTwoLobes)
+        return noLobe();
+    vec4 moments = textureLod(mapSecond, uv, max(level - 1.0, 0.0));
+    vec4 specular = textureLod(mapSecondSpecular, uv, max(level - 1.0, 0.0));
+    float strength = lobeStrength(specular.rgb);
+    // Where there is none, as wide a lobe as can be: it is as good as any, and harmless.
+    vec3 covariance = vec3(moments.z, specular.w, moments.w) / kSecondCovarianceScale + 1e-6 * vec3(1.0, 0.0, 1.0);
+    // Level 0 has none.
+    return LobeTexel(moments.xy / strength, covariance / strength, specular.rgb * clamp(level, 0.0, 1.0));
+}
+
+MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 emissive, vec4 base, LobeTexel second)
 {
     return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, emissive.rgb, emissive.a,
-                         base.rgb, base.a);
+                         base.rgb, base.a, second);
 }
 
 // uv: of the reflectance (xy) and of emissive (zw). levels: of the reflectance and of emissive, which are chains of their own
@@ -41,12 +72,13 @@ MaterialTexel sampleMaterial(vec4 uv, vec2 levels)
         textureLod(mapNormal, uv.xy, levels.x), textureLod(mapSpecular, uv.xy, levels.x),
         textureLod(mapDiffuse, uv.xy, levels.x),
         kConstantEmission ? texelFetch(mapEmissive, ivec2(0), 0) : textureLod(mapEmissive, uv.zw, levels.y),
-        kConstantBase ? texelFetch(mapBase, ivec2(0), 0) : textureLod(mapBase, uv.xy, levels.x));
+        kConstantBase ? texelFetch(mapBase, ivec2(0), 0) : textureLod(mapBase, uv.xy, levels.x),
+        sampleSecond(uv.xy, levels.x));
 }
 
 MaterialTexel noMaterial()
 {
-    return MaterialTexel(vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, vec3(0.0), 0.0);
+    return MaterialTexel(vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, vec3(0.0), 0.0, noLobe());
 }
 
 // All of it is linear: the maps hold means.
@@ -60,6 +92,7 @@ void addMaterial(inout MaterialTexel sum, MaterialTexel texel, float weight)
     sum.occlusion += weight * texel.occlusion;
     sum.f0 += weight * texel.f0;
     sum.baseVariance += weight * texel.baseVariance;
+    sum.second.specular += weight * texel.second.specular;
 }
 
 MaterialTexel tinted(uint flags, float dielectric, MaterialTexel material, vec3 colour)
@@ -67,12 +100,29 @@ MaterialTexel tinted(uint flags, float dielectric, MaterialTexel material, vec3 
     if (dielectric >= 0.0) {
         vec3 f0 = tintedSpecular(material.f0, material.diffuse, dielectric, colour);
         material.specular *= f0 / max(material.f0, vec3(1e-6));
+        material.second.specular *= f0 / max(material.f0, vec3(1e-6));
         material.f0 = f0;
     }
     material.diffuse *= colour;
     if ((flags & kObjectUnlit) != 0u)
         material.emitted *= colour;
     return material;
+}
+
+Lobe rotated(mat3 rotation, Lobe lobe)
+{
+    return Lobe(rotation * lobe.normal, rotation * lobe.tangentU, rotation * lobe.tangentV, lobe.inverseCovariance,
+                lobe.scale);
+}
+
+// In world space.
+SecondSurfaceLobe secondLobe(MaterialTexel material, mat3 worldFromTangent)
+{
+    LobeTexel second = material.second;
+    float first = luminanceOf(material.specular), other = luminanceOf(second.specular);
+    vec2 mean = mix(material.normal, second.normal, other / max(first + other, 1e-6));
+    return SecondSurfaceLobe(rotated(worldFromTangent, makeLobe(lobeNormal(second.normal), second.covariance)),
+                             second.specular, worldFromTangent * lobeNormal(mean));
 }
 
 // position, normal, tangent (w = handedness) in world space, not necessarily unit.
@@ -85,11 +135,9 @@ SurfacePoint surfacePoint(uint flags, MaterialTexel material, vec3 position, vec
     // Bitangents belong to the object: a transform that mirrors it mirrors them, but not the cross product.
     bool mirrored = (flags & kObjectMirrored) != 0u;
     vec3 b = cross(n, t) * ((tangent.w < 0.0) != mirrored ? -1.0 : 1.0);
-    Lobe local = makeLobe(lobeNormal(material.normal), material.covariance);
     mat3 worldFromTangent = mat3(t, b, n);
-    Lobe lobe = Lobe(worldFromTangent * local.normal, worldFromTangent * local.tangentU,
-                     worldFromTangent * local.tangentV, local.inverseCovariance, local.scale);
+    Lobe lobe = rotated(worldFromTangent, makeLobe(lobeNormal(material.normal), material.covariance));
     return SurfacePoint(SurfaceTexel(lobe, n, material.specular, material.f0, material.baseVariance, material.diffuse),
-                        position, material.emitted, material.occlusion);
+                        position, material.emitted, material.occlusion, secondLobe(material, worldFromTangent));
 }
 #endif

@@ -7,12 +7,25 @@
 #include "lib/shadow.glsl"
 #include "shared/shading.h"
 
+// Of what has two lobes; of no meaning elsewhere.
+struct SecondSurfaceLobe {
+    Lobe lobe;
+    vec3 specular;
+    vec3 diffuseNormal; // that of Kd
+};
+
+SecondSurfaceLobe noSecondLobe(Lobe first)
+{
+    return SecondSurfaceLobe(first, vec3(0.0), first.normal);
+}
+
 // A point of a surface, whoever sees it.
 struct SurfacePoint {
     SurfaceTexel texel; // double-sided surfaces: as seen from the front
     vec3 position;
     vec3 emitted;
     float occlusion;
+    SecondSurfaceLobe second;
 };
 
 // A point of a surface as the lights see it.
@@ -21,7 +34,36 @@ struct ShadingPoint {
     vec3 position;
     vec3 toEye;
     vec3 radiance; // emitted, and reflected of what surrounds it
+    SecondLobe second; // where there are two
 };
+
+Lobe seenFrom(float side, Lobe lobe)
+{
+    return Lobe(side * lobe.normal, side * lobe.tangentU, side * lobe.tangentV, lobe.inverseCovariance, lobe.scale);
+}
+
+SecondLobe secondTowards(SurfaceTexel texel, SurfaceReflectance surface, SecondSurfaceLobe second, float side)
+{
+    vec3 both = max(texel.specular + second.specular, vec3(1e-6));
+    float residual = energyResidual(surface.viewDotMacroNormal, texel.baseVariance);
+    return SecondLobe(seenFrom(side, second.lobe), second.specular * residual / max(texel.f0, vec3(1e-6)),
+                      second.specular / both, side * second.diffuseNormal);
+}
+
+// What surrounds the surface, of two lobes or one. Each reflects its share: that of one alone does not depend on Ks.
+vec3 reflectAround(SurfaceReflectance surface, SecondLobe second, vec3 toEye)
+{
+    vec3 diffuseNormal = kTwoLobes ? second.diffuseNormal : surface.lobe.normal;
+    if ((kFeatures & kFeatureEnvironment) == 0u)
+        return reflectAmbient(surface, diffuseNormal, view.skyRadiance, view.groundRadiance);
+    vec3 diffuse = surface.diffuse * environmentDiffuse(view.environment, diffuseNormal);
+    if (!kTwoLobes)
+        return diffuse + reflectEnvironment(surface, toEye);
+    SurfaceReflectance other = surface;
+    other.lobe = second.lobe;
+    return diffuse + (1.0 - second.share) * reflectEnvironment(surface, toEye) +
+           second.share * reflectEnvironment(other, toEye);
+}
 
 // As the frame's eye sees it. flags: of the object.
 ShadingPoint shadingPoint(uint flags, SurfacePoint point)
@@ -33,26 +75,27 @@ ShadingPoint shadingPoint(uint flags, SurfacePoint point)
     float side = flip ? -1.0 : 1.0;
     vec3 n = side * texel.macroNormal;
     texel.macroNormal = n;
-    texel.lobe.normal *= side;
-    texel.lobe.tangentU *= side;
-    texel.lobe.tangentV *= side;
+    texel.lobe = seenFrom(side, texel.lobe);
     // Lumels just behind the silhouette are filtered into pixels before it: they are lit as seen along their
     // horizon, so that no highlight of a surface seen from behind leaks around the edge.
     toEye = normalize(toEye - n * min(dot(n, toEye), 0.0) + 1e-6 * n);
     SurfaceReflectance surface = reflectanceTowards(texel, toEye);
-    vec3 around;
-    if ((kFeatures & kFeatureEnvironment) != 0u)
-        around = surface.diffuse * environmentDiffuse(view.environment, surface.lobe.normal) +
-                 reflectEnvironment(surface, toEye);
-    else
-        around = reflectAmbient(surface, view.skyRadiance, view.groundRadiance);
-    return ShadingPoint(surface, point.position, toEye, point.emitted + around * point.occlusion);
+    SecondLobe second = secondTowards(texel, surface, point.second, side);
+    vec3 around = reflectAround(surface, second, toEye);
+    return ShadingPoint(surface, point.position, toEye, point.emitted + around * point.occlusion, second);
+}
+
+vec3 reflectIncident(ShadingPoint point, vec3 toLight, vec3 irradiance)
+{
+    if (kTwoLobes)
+        return reflectLight(point.surface, point.second, toLight, point.toEye, irradiance);
+    return reflectLight(point.surface, toLight, point.toEye, irradiance);
 }
 
 vec3 reflectedFrom(ShadingPoint point, Light light)
 {
     Incident incident = incidentLight(light, point.position);
-    return reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance);
+    return reflectIncident(point, incident.direction, incident.irradiance);
 }
 
 // Word `word` of the list of lights that may reach what is shaded, as in JobTile: each shader has its own.
@@ -80,7 +123,7 @@ vec3 reflectedFromShadowed(ShadingPoint point)
         uint i = findLSB(bits);
         Incident incident = incidentLight(lights[view.shadows[i].light], point.position);
         float visible = listedVisibility(i, point, incident.direction);
-        radiance += reflectLight(point.surface, incident.direction, point.toEye, incident.irradiance * visible);
+        radiance += reflectIncident(point, incident.direction, incident.irradiance * visible);
         bits &= bits - 1u;
         if (bits == 0u)
             break;

@@ -72,7 +72,8 @@ SurfacePoint unpackSurface(SurfaceRecord record)
         SurfaceTexel(lobe, unpackUnit(record.words[0].w), vec3(specular, rest.x), vec3(f0, f0Diffuse.x), more.y,
                      vec3(f0Diffuse.y, unpackHalf2x16(record.words[2].w)));
     return SurfacePoint(texel, uintBitsToFloat(record.words[0].xyz),
-                        vec3(unpackHalf2x16(record.words[3].x), unpackHalf2x16(record.words[3].y).x), rest.y);
+                        vec3(unpackHalf2x16(record.words[3].x), unpackHalf2x16(record.words[3].y).x), rest.y,
+                        noSecondLobe(lobe));
 }
 
 // Where a lumel's words are: those of all 64 lumels of a tile lie beside each other.

@@ -91,6 +91,14 @@ LUMEL_FN vec3 reflectedShare(SurfaceReflectance surface, float grazing)
     return surface.tint * (surface.f0 + grazingHeadroom(surface.f0) * grazing);
 }
 
+// A texel's second lobe, F = F1 + F2.
+struct SecondLobe {
+    Lobe lobe;
+    vec3 strength;      // as the first one's
+    vec3 share;         // of both lobes' Ks
+    vec3 diffuseNormal; // that of Kd: their mean
+};
+
 // Radiance towards v from a light of the given irradiance (on a plane facing it) in direction l.
 LUMEL_FN vec3 reflectLight(SurfaceReflectance surface, vec3 l, vec3 v, vec3 irradiance)
 {
@@ -106,12 +114,27 @@ LUMEL_FN vec3 reflectLight(SurfaceReflectance surface, vec3 l, vec3 v, vec3 irra
     return radiance * irradiance;
 }
 
+// The same of a surface of two lobes.
+LUMEL_FN vec3 reflectLight(SurfaceReflectance surface, SecondLobe second, vec3 l, vec3 v, vec3 irradiance)
+{
+    vec3 radiance = surface.diffuse * (max(dot(second.diffuseNormal, l), 0.0f) / kPi);
+    surface.diffuse = vec3(0.0f, 0.0f, 0.0f);
+    SurfaceReflectance other = surface;
+    other.lobe = second.lobe;
+    other.strength = second.strength;
+    return radiance * irradiance + reflectLight(surface, l, v, irradiance) + reflectLight(other, l, v, irradiance);
+}
+
 // A hemisphere of constant sky and ground radiance. Its irradiance over pi is linear in N.up, so it averages
 // exactly; the specular part is what a white furnace shows.
+LUMEL_FN vec3 reflectAmbient(SurfaceReflectance surface, vec3 normal, vec3 sky, vec3 ground)
+{
+    float t = 0.5f + 0.5f * normal.y;
+    return (surface.diffuse + reflectedShare(surface, surface.grazing)) * mix(ground, sky, t);
+}
 LUMEL_FN vec3 reflectAmbient(SurfaceReflectance surface, vec3 sky, vec3 ground)
 {
-    float t = 0.5f + 0.5f * surface.lobe.normal.y;
-    return (surface.diffuse + reflectedShare(surface, surface.grazing)) * mix(ground, sky, t);
+    return reflectAmbient(surface, surface.lobe.normal, sky, ground);
 }
 
 // What a punctual light sends to a point (KHR_lights_punctual).

@@ -100,6 +100,7 @@ LUMEL_CONST uint kFeatureConstantBase = 64u;
 LUMEL_CONST uint kFeatureUnshadowed = 128u;  // some lights have no shadow map
 LUMEL_CONST uint kFeatureManyLights = 256u;  // more than one word of a list
 LUMEL_CONST uint kFeatureTail = 1024u; // lower.comp: MIPs of one tile each, made of each other
+LUMEL_CONST uint kFeatureSecondLobe = 2048u; // the material has texels of two lobes
 LUMEL_CONST uint kFeatureKnownShadows = 512u; // the surface cache has all visibility that is needed
 
 // Bits of JobTile::lights.
@@ -154,6 +155,7 @@ LUMEL_CONST uint kObjectLightable = 8u;     // it can be lit in texture space
 LUMEL_CONST uint kObjectUnlit = 16u; // its colour is what it emits
 LUMEL_CONST uint kObjectMirrored = 32u; // worldFromObject mirrors
 LUMEL_CONST uint kObjectDeformed = 64u; // by joints or morph targets
+LUMEL_CONST uint kObjectSecondLobe = 128u; // its material has texels of two lobes
 
 // In texels of 16 bytes, so that compute shaders read it as a uniform texel buffer (lib/lit_object.glsl): on software
 // Vulkan that costs a sixth of a buffer reference's loads.
@@ -499,6 +501,7 @@ LUMEL_CONST uint kViewSpecular = 11u;
 LUMEL_CONST uint kViewError = 12u;
 LUMEL_CONST uint kViewOvershading = 13u;
 LUMEL_CONST uint kViewPool = 14u; // pool.frag's
+LUMEL_CONST uint kViewLobes = 15u;
 
 struct ViewPush {
     DrawPush draw; // for the vertex shader

@@ -46,7 +46,7 @@ void LightPass::prepare(const Frame& frame, const LitPool& pool, const PlanPass&
 static uint32_t featuresOf(const PlanPass::LightJob& job)
 {
     using Surface = PlanPass::Surface;
-    return (job.material ? constantMaps(*job.material) : 0u) |
+    return (job.material ? materialFeatures(*job.material) : 0u) |
            (job.surface == Surface::coloured ? shared::kFeatureColoured : 0u) |
            (job.surface == Surface::cachedAndShadows ? shared::kFeatureKnownShadows : 0u);
 }

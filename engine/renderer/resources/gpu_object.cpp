@@ -55,7 +55,7 @@ BufferPart verticesOf(const scene::Object& object, const GpuMesh& mesh, const De
 
 uint32_t surfaceFeatures(const GpuObject& object)
 {
-    return constantMaps(*object.material) | (object.coloured ? shared::kFeatureColoured : 0u);
+    return materialFeatures(*object.material) | (object.coloured ? shared::kFeatureColoured : 0u);
 }
 
 SurfaceKind kindOf(const GpuObject& object)
@@ -92,6 +92,8 @@ GpuObject makeObject(const scene::Scene& scene, const scene::Object& object, con
                      .casts = !blend && !emits};
     if (object.deformed >= 0)
         result.data.flags |= shared::kObjectDeformed;
+    if (result.material->second)
+        result.data.flags |= shared::kObjectSecondLobe;
     place(result, object.worldFromObject, deformed);
     return result;
 }

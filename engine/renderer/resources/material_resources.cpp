@@ -6,7 +6,7 @@
 namespace lumel {
 namespace {
 
-constexpr size_t kMaps = 6; // of a material
+constexpr size_t kMaps = 8; // of a material
 
 // By scene::Wrap.
 constexpr std::array kAddressModes = {vk::SamplerAddressMode::eRepeat,
@@ -15,14 +15,15 @@ constexpr std::array kAddressModes = {vk::SamplerAddressMode::eRepeat,
 
 } // namespace
 
-uint32_t constantMaps(const GpuMaterial& material)
+uint32_t materialFeatures(const GpuMaterial& material)
 {
     const auto feature = [](const gpu::Image& map, uint32_t bit) {
         return map.extent() == vk::Extent2D{1, 1} ? bit : 0u;
     };
     return feature(material.emissive, shared::kFeatureConstantEmission) |
            feature(material.opacity, shared::kFeatureConstantOpacity) |
-           feature(material.base, shared::kFeatureConstantBase);
+           feature(material.base, shared::kFeatureConstantBase) |
+           (material.second ? shared::kFeatureSecondLobe : 0u);
 }
 
 MaterialResources::MaterialResources(const gpu::Device& device, const scene::Scene& scene,
@@ -50,6 +51,10 @@ void MaterialResources::replace(const gpu::Device& device, size_t material, cons
     refillChain(batch, maps.specular, before.specular, after.specular);
     refillChain(batch, maps.diffuse, before.diffuse, after.diffuse);
     refillChain(batch, maps.base, before.base, after.base);
+    if (maps.second) {
+        refillChain(batch, maps.second, before.second, after.second);
+        refillChain(batch, maps.secondSpecular, before.secondSpecular, after.secondSpecular);
+    }
     batch.finish();
 }
 
@@ -71,10 +76,17 @@ void MaterialResources::upload(const gpu::Device& device, gpu::UploadBatch& batc
     material.emissive = image(baked.emissive, " emissive");
     material.opacity = image(baked.opacity, " opacity");
     material.base = image(baked.reflectance.base, " base");
+    if (baked.reflectance.hasSecond()) {
+        material.second = image(baked.reflectance.second, " second lobe");
+        material.secondSpecular = image(baked.reflectance.secondSpecular, " second specular");
+    }
     material.set = gpu::makeSet(device, pool_, layout_);
     uint32_t binding = 0;
     for (const gpu::Image* map : {&material.normal, &material.specular, &material.diffuse, &material.emissive,
-                                  &material.opacity, &material.base})
+                                  &material.opacity, &material.base,
+                                  // Nothing reads these of a material of one lobe.
+                                  material.second ? &material.second : &material.normal,
+                                  material.second ? &material.secondSpecular : &material.specular})
         gpu::writeSampled(device, *material.set, binding++,
                           samplerOf(map == &material.emissive ? source.emissionUv : source.uv), map->view());
 }

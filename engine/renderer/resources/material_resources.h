@@ -9,12 +9,13 @@ namespace lumel {
 
 struct GpuMaterial {
     gpu::Image normal, specular, diffuse, emissive, opacity;
-    gpu::Image base; // mean F0 and roughness of level 0
+    gpu::Image base;                   // mean F0 and roughness of level 0
+    gpu::Image second, secondSpecular; // none in a material of one lobe
     vk::raii::DescriptorSet set = nullptr;
 };
 
-// kFeatureConstant... of the maps that are one texel.
-uint32_t constantMaps(const GpuMaterial& material);
+// kFeature... of a material: which maps are one texel, and whether there are second lobes.
+uint32_t materialFeatures(const GpuMaterial& material);
 
 class MaterialResources {
 public:

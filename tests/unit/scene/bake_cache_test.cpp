@@ -93,7 +93,8 @@ std::vector<uint16_t> numbersOf(const BakedMaterial& baked)
 {
     std::vector<uint16_t> numbers;
     const Reflectance& r = baked.reflectance;
-    for (const HalfChain* chain : {&r.normal, &r.specular, &r.diffuse, &r.base, &baked.emissive}) {
+    for (const HalfChain* chain :
+         {&r.normal, &r.specular, &r.diffuse, &r.base, &r.second, &r.secondSpecular, &baked.emissive}) {
         numbers.insert(numbers.end(), {uint16_t(chain->size().x), uint16_t(chain->size().y)});
         for (size_t level = 0; level < chain->levels(); ++level)
             numbers.insert(numbers.end(), chain->texels(level).begin(), chain->texels(level).end());
@@ -202,11 +203,14 @@ TEST_F(BakeKeys, FollowImagesAndOptionsButNotThreadsAndNames)
         return BakeCache(scene, options).inputKey(full);
     };
     const auto key = [&](const MaterialOptions& options) { return BakeCache(scene, options).key(maps, {}); };
-    const MaterialOptions defaults, threads{.threads = 3}, lean{.method = baker::Method::lean};
+    const MaterialOptions defaults, threads{.threads = 3}, lean{.method = baker::Method::lean},
+        two{.lobes = baker::LobeCount::two};
     EXPECT_EQ(inputKey(defaults), inputKey(threads));
     EXPECT_EQ(key(defaults), key(threads));
     EXPECT_NE(inputKey(defaults), inputKey(lean));
     EXPECT_NE(key(defaults), key(lean));
+    EXPECT_NE(inputKey(defaults), inputKey(two));
+    EXPECT_NE(key(defaults), key(two));
     Material renamed = full;
     renamed.name = "another";
     EXPECT_EQ(BakeCache(scene, defaults).inputKey(renamed), inputKey(defaults));
@@ -243,6 +247,18 @@ TEST_F(BakeKeys, AnInterruptedBakeKeepsWhatItFinished)
     const auto fresh = bakeMaterials(scene, {});
     for (size_t i = 0; i < fresh.size(); ++i)
         EXPECT_EQ(numbersOf(resumed[i]), numbersOf(fresh[i]));
+}
+
+TEST_F(BakeKeys, SecondLobesAreKept)
+{
+    cacheIn("cache");
+    scene.materials = {materials().at("full")};
+    const MaterialOptions two{.lobes = baker::LobeCount::two};
+    const auto baked = bakeMaterials(scene, two), recalled = bakeMaterials(scene, two);
+    EXPECT_EQ(entriesIn(folder / "cache"), 1u);
+    EXPECT_TRUE(baked[0].reflectance.hasSecond());
+    EXPECT_EQ(numbersOf(recalled[0]), numbersOf(baked[0]));
+    EXPECT_FALSE(bakeMaterials(scene, {})[0].reflectance.hasSecond());
 }
 
 // Bakes into the folder that the test below names, in a process of its own.

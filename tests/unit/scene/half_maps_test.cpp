@@ -37,6 +37,34 @@ TEST(HalfMaps, ReflectanceIsThatOfABakedFile)
             }
 }
 
+TEST(HalfMaps, SecondLobesAreThereWhereAnyReflects)
+{
+    baker::ReflectanceMips mips = bumps();
+    EXPECT_FALSE(Reflectance(mips).hasSecond());
+    for (size_t l = 1; l < mips.levels.size(); ++l) {
+        baker::Level& level = mips.levels[l];
+        for (int i = 0; i < level.width * level.height; ++i)
+            level.second.insert(level.second.end(), std::begin(baker::kNoSecondLobe),
+                                std::end(baker::kNoSecondLobe));
+    }
+    EXPECT_FALSE(Reflectance(mips).hasSecond()) << "none reflects";
+    // Power 10000 of a weak dielectric: no subnormal numbers.
+    const std::array<float, baker::kSecondChannels> lobe = {0.3f,  -0.4f, 1e-4f, 2e-5f,
+                                                            2e-4f, 0.03f, 0.04f, 0.05f};
+    const int width = mips.levels[1].width;
+    std::ranges::copy(lobe, mips.levels[1].second.begin() + ptrdiff_t(baker::kSecondChannels) * (width + 2));
+    const Reflectance reflectance(mips);
+    ASSERT_TRUE(reflectance.hasSecond());
+    EXPECT_EQ(reflectance.second.size(), reflectance.normal.size(1));
+    EXPECT_EQ(reflectance.second.levels(), reflectance.levels() - 1);
+    const auto read = reflectance.secondAt(1, 2, 1), none = reflectance.secondAt(1, 1, 1);
+    for (size_t c = 0; c < lobe.size(); ++c) {
+        EXPECT_NEAR(read[c], lobe[c], 2e-3f * std::abs(lobe[c])) << c;
+        EXPECT_EQ(none[c], baker::kNoSecondLobe[c]) << c;
+        EXPECT_EQ(reflectance.secondAt(0, 0, 0)[c], baker::kNoSecondLobe[c]) << c;
+    }
+}
+
 TEST(HalfMaps, MissingChannelsAreOneAndValuesStayFinite)
 {
     Image grey(2, 1, 1);
