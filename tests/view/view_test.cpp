@@ -144,7 +144,7 @@ TEST_F(View, SurvivesManyResizes)
 
 TEST_F(View, ReloadsShadersAndKeepsTheOldOnesWhenOneIsBroken)
 {
-    const fs::path shaders = folder_ / "cache" / "shaders", file = shaders / "display.comp";
+    const fs::path shaders = folder_ / "cache" / "shaders", file = shaders / "edges_find.comp";
     fs::copy(LUMEL_SHADERS, shaders, fs::copy_options::recursive);
     setenv("LUMEL_SHADERS", shaders.c_str(), 1);
     start({"first.gltf", "--size", "700x300"});
@@ -154,13 +154,13 @@ TEST_F(View, ReloadsShadersAndKeepsTheOldOnesWhenOneIsBroken)
     const std::string code = readText(file);
     std::ofstream(file) << code << "\nbroken\n";
     display->key("r");
-    ASSERT_TRUE(says("display.comp: ERROR")) << log();
+    ASSERT_TRUE(says("edges_find.comp: ERROR")) << log();
     EXPECT_EQ(screenshot().pixels, before.pixels);
 
     std::string darker = code;
-    const std::string weight = "* push.weight";
-    ASSERT_NE(darker.find(weight), std::string::npos);
-    darker.replace(darker.find(weight), weight.size(), "* push.weight * 0.25");
+    const std::string shown = "displayed(radiance.rgb)";
+    ASSERT_NE(darker.find(shown), std::string::npos);
+    darker.replace(darker.find(shown), shown.size(), "displayed(0.25 * radiance.rgb)");
     std::ofstream(file) << darker;
     display->key("r");
     ASSERT_TRUE(says("shaders reloaded")) << log();

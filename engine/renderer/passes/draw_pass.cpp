@@ -188,6 +188,8 @@ void DrawPass::drawPool(Frame& frame, const LitPool& pool)
     float tallest = 0.0f; // height by width, MIPs included
     for (size_t i = 0; i < blocks.size(); ++i)
         for (uint32_t layer = 0; pool.blocks()[i] && layer < blocks[i].textures.size(); ++layer) {
+            if (blocks[i].textures[layer].owner < 0)
+                continue;
             const glm::vec2 extent(pool.blocks()[i].layout.extent);
             textures.push_back({int(i), layer});
             tallest = std::max(tallest, extent.y / extent.x);
