@@ -224,9 +224,10 @@ void Renderer::preparePipelines()
         light_.prepare(frame, pool_, plan_, lights);
     }
     draw_.prepare(frame, pool_, lights);
-    display_.prepare(frame);
-    if (filtersEdges(settings_))
+    if (filtersEdges(settings_)) // which tone-maps too
         edges_.prepare(frame);
+    else
+        display_.prepare(frame);
 }
 
 glm::mat4 Renderer::clipFromWorld(const scene::Camera& camera) const

@@ -105,27 +105,22 @@ void LitPool::recordTakeover(vk::CommandBuffer commands, const tsl::ObjectReside
 void LitPool::recordHandovers(Frame& frame)
 {
     const vk::CommandBuffer commands = frame.commands;
-    // Drawing tells by a lumel's alpha whether it holds light: that of a former owner counts for nothing. And
-    // memory of unknown content could be not-a-number, which no filter weight of 0 removes.
-    const auto clear = [&](const gpu::Image& image, uint32_t firstLayer, uint32_t layers) {
-        commands.clearColorImage(image.handle(), vk::ImageLayout::eGeneral, vk::ClearColorValue{},
-                                 vk::ImageSubresourceRange{image.aspect(), 0, 1, firstLayer, layers});
-    };
-    const std::vector<uint8_t> used = prepared_; // 0: cleared as a whole here
     for (size_t i = 0; i < blocks_.size(); ++i) {
         const gpu::Image& image = blocks_[i].image;
-        if (!image || prepared_[i])
-            continue;
-        gpu::imageBarrier(commands, image.handle(), image.aspect(), gpu::Use::undefined, gpu::Use::general);
-        clear(image, 0, VK_REMAINING_ARRAY_LAYERS);
-        prepared_[i] = 1;
+        if (image && !std::exchange(prepared_[i], uint8_t(1)))
+            gpu::imageBarrier(commands, image.handle(), image.aspect(), gpu::Use::undefined,
+                              gpu::Use::general);
     }
     bool any = false;
     for (const tsl::ObjectResidency& resident : frame.residency.objects())
         if (resident.fresh) {
             const LitBlock& b = block(resident.texture);
-            if (used[size_t(resident.texture.block)])
-                clear(b.image, resident.texture.layer, 1);
+            // Drawing tells by a lumel's alpha whether it holds light: that of a former owner counts for
+            // nothing. And memory of unknown content could be not-a-number, which no filter weight of 0
+            // removes.
+            commands.clearColorImage(
+                b.image.handle(), vk::ImageLayout::eGeneral, vk::ClearColorValue{},
+                vk::ImageSubresourceRange{b.image.aspect(), 0, 1, resident.texture.layer, 1});
             commands.fillBuffer(b.states.handle(), b.stateOffset(resident.texture.layer),
                                 b.layout.tiles * sizeof(shared::TileState), 0);
             any = true;
