@@ -71,7 +71,7 @@ void markBlock(LitObject object, uint objectIndex, uint mip, vec2 uv, vec2 dx, v
 {
     uvec2 lumels = mipSize(object, mip);
     vec2 size = vec2(lumels), centre = uv * size;
-    float halfBlock = push.divisor > 1.0 ? 0.5 * push.divisor : 0.0; // pixels; a pixel reads around its centre
+    float halfBlock = push.divisor > 1.0 ? 0.5 * push.divisor + push.margin : 0.0; // pixels; a pixel reads around its centre
     vec2 halfX = halfBlock * dx * size, halfY = halfBlock * dy * size, along = axis * size;
     vec2 extent = abs(halfX) + abs(halfY) + abs(along) + reach;
     ivec2 lower = ivec2(floor(clamp(centre - extent, vec2(0.0), size - 1.0) / float(kQuadSize)));

@@ -41,7 +41,8 @@ void Renderer::recordTextureSpace(Frame& frame)
     if (frame.late)
         chooseDetail(frame);
     assignTextures(frame, spacing); // which recycled texture does each object draw?
-    if (frame.late)
+    sampled_ = !frame.late || !feedback_.servesAgain(frame, spacing);
+    if (frame.late && sampled_)
         feedback_.record(frame, spacing); // the answer is for a later frame
     pool_.recordHandovers(frame);
     plan_.record(frame, feedback_); // which of its tiles are to be lit, derived or kept?

@@ -140,7 +140,8 @@ private:
     glm::uvec2 renderSize_{0};
     bool passesAlone_ = false;
     bool settled_ = false;
-    bool first_ = true; // nothing is known of any view
+    bool sampled_ = false; // the feedback pass ran in this frame
+    bool first_ = true;    // nothing is known of any view
     int sumSamples_ = 0;
     glm::mat4 sumView_{0.0f};
     uint32_t sumFrame_ = 0; // in which the sum was begun

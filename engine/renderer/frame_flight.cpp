@@ -51,7 +51,7 @@ void Renderer::read(InFlight& own)
     readMs_ = now;
     if (settings_.shading == Shading::tsl)
         countLumels(own);
-    if (own.late && own.planned) {
+    if (own.late && own.sampled) {
         own.feedback = feedback_.read(own.place);
         own.feedback.frame = own.frame;
         own.feedback.divisor = own.divisor;

@@ -17,6 +17,7 @@ struct InFlight {
     uint64_t submission = 0;       // its last one
     bool late = false;             // see Frame
     bool planned = false;          // it was not settled
+    bool sampled = false;          // its feedback pass ran
     bool unread = false;           // what it leaves is still to be read
     double begunMs = 0.0;          // of the busy clock
     uint32_t divisor = 1;          // of its feedback pass

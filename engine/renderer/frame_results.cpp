@@ -35,6 +35,7 @@ void Renderer::countFrame(const Frame& frame, InFlight& own)
     own.frame = frame.index;
     own.late = frame.late;
     own.planned = !frame.feedback.empty();
+    own.sampled = own.planned && sampled_;
     own.unread = true;
     lastPlanned_ = own.planned ? frame.index : lastPlanned_;
     own.divisor = feedback_.divisor();

@@ -427,6 +427,7 @@ struct PlanPush {
     LUMEL_ADDRESS(JobTiles) tiles; // of all jobs
     uvec2 samples;       // of the feedback pass
     float divisor;       // full-size pixels per sample, per axis
+    float margin;        // pixels around those that are marked too
     float reach;         // lumels around a point that the draw filter reads
     uint objectCount;
     uint budgetQuads;    // to light this frame

@@ -28,6 +28,11 @@ glm::vec2 jitterInPixels(uint32_t size, uint64_t frame)
     return glm::vec2(pixel) - 0.5f * float(size - 1);
 }
 
+glm::uvec2 samplesOf(const Frame& frame, uint32_t divisor)
+{
+    return (frame.renderSize + divisor - 1u) / divisor;
+}
+
 } // namespace
 
 FeedbackPass::FeedbackPass(const gpu::Device& device, glm::uvec2 size, const SceneState& scene)
@@ -59,12 +64,20 @@ void FeedbackPass::resize(const gpu::Device& device, glm::uvec2 size)
         makeTarget(device, size, vk::Format::eR32G32B32A32Uint, Usage::eColorAttachment | Usage::eStorage);
     depth_ = makeTarget(device, size, vk::Format::eD32Sfloat, Usage::eDepthStencilAttachment);
     gpu::writeStorage(device, *set_, 0, seen_.view());
+    frame_ = 0;
+}
+
+bool FeedbackPass::servesAgain(const Frame& frame, uint32_t divisor) const
+{
+    return frame_ != 0 && frame_ + 1 == frame.index && divisor == kSparse && divisor_ == kSparse &&
+           samples_ == samplesOf(frame, divisor);
 }
 
 void FeedbackPass::record(Frame& frame, uint32_t divisor)
 {
     divisor_ = divisor;
-    samples_ = (frame.renderSize + divisor_ - 1u) / divisor_;
+    samples_ = samplesOf(frame, divisor);
+    frame_ = frame.index;
     const PassScope scope(frame, "feedback");
     const vk::CommandBuffer commands = frame.commands;
     const vk::Extent2D extent{samples_.x, samples_.y}; // a part of the images

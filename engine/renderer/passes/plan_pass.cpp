@@ -218,6 +218,7 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
                                 .tiles = tiles_.address(),
                                 .samples = samples,
                                 .divisor = float(feedback.divisor()),
+                                .margin = feedback.margin(frame),
                                 .reach = reachOf(settings.filter),
                                 .objectCount = objectCount,
                                 .budgetQuads = frame.lumelBudget / shared::kQuadLumels,
