@@ -1,5 +1,6 @@
 // The second lobe of texels that one lobe serves badly: three starts on the finer level's lobes, a few steps
 // on the exact error from where each ends, and more from the best (fit_pair.inl).
+#include "profile.h"
 #include "shared/lobe.h"
 #include "solver.h"
 #include <numeric>
@@ -222,6 +223,7 @@ std::vector<Solver::PairStart> Solver::bestOf(const std::vector<PairStart>& star
 // Both lobes of the texels that need them, the stronger one first.
 void Solver::fitPairs(const Selection& selection, Family family)
 {
+    const StepTimer timer(options_.profile, Step::secondLobes);
     const bool automatic = options_.lobes == LobeCount::automatic;
     const float least = automatic ? kLeastGain : std::max(options_.precision, 1e-5f);
     std::vector<PairStart> starts;
