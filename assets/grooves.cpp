@@ -34,7 +34,7 @@ HeightMap makeRelief(int size, float (*texels)(glm::vec2))
 // A V-groove of slope 1 and period `width`, highest where t is whole.
 float groove(float t, float width)
 {
-    return width * std::abs(t - std::round(t) - 0.5f) - 0.5f * width;
+    return -width * std::abs(t - std::round(t));
 }
 
 // Two tiers of flutes down the sides of a mould, twice as many in the lower one: 9 texels wide or more.
@@ -56,7 +56,7 @@ constexpr int kWeightMap = 1024;
 float rings(glm::vec2 texel)
 {
     const Polar at = polarOf(texel, kWeightMap);
-    constexpr float kWidth = 8.0f;
+    constexpr float kWidth = 10.0f;
     const float r = at.r / float(kWeightMap) / kUvRadius;
     return 0.26f * smooth(0.0f, 0.1f, r) * groove(at.r / kWidth, kWidth) +
            0.04f * noise2({30.0f * at.turn, at.r / 2.5f}, 607, 30);
@@ -87,7 +87,8 @@ float strokes(glm::vec2 p, float width, int seed)
         int(hash(uint32_t(int(lane)) + hash(uint32_t(int(std::floor(along))) + uint32_t(seed))) >> 8);
     const float ends = smooth(0.0f, 0.12f, std::min(along - std::floor(along), std::ceil(along) - along));
     const float depth = ends * (0.25f + 0.75f * random01(id, 3));
-    return depth * groove(p.x / width - lane + 0.5f, width);
+    const float t = 2.0f * (p.x / width - lane) - 1.0f;
+    return -0.5f * width * depth * (1.0f - t * t) * (1.0f - t * t);
 }
 
 // The deeper of two crossing strokes is seen.
@@ -95,11 +96,11 @@ constexpr int kTrayMap = 2048;
 float scoured(glm::vec2 texel)
 {
     float deepest = 0.0f;
-    for (int i = 0; i < 4; ++i) {
-        const float angle = (i % 2 ? 1.0f : -1.0f) * glm::radians(33.0f) + 0.07f * float(i);
+    for (int i = 0; i < 2; ++i) {
+        const float angle = glm::radians(i == 0 ? -30.0f : 38.0f);
         const glm::vec2 across(std::cos(angle), std::sin(angle)), along(-across.y, across.x);
         const glm::vec2 p(glm::dot(texel, across), glm::dot(texel, along));
-        deepest = std::min(deepest, 0.26f * strokes(p, i < 2 ? 6.0f : 8.0f, 631 + i));
+        deepest = std::min(deepest, 0.30f * strokes(p, 7.0f, 631 + i));
     }
     return deepest + 0.02f * noise2(texel / 3.0f, 641);
 }
@@ -151,7 +152,7 @@ void addMetals(GltfWriter& gltf, const Reliefs& reliefs)
     const int copper = metal("copper", {0.93f, 0.52f, 0.36f}, 260.0f, reliefs.mould);
     const int brass = metal("brass", {0.88f, 0.66f, 0.30f}, 300.0f, reliefs.weight);
     const int aluminium = metal("aluminium", {0.80f, 0.81f, 0.82f}, 200.0f, reliefs.lid);
-    const int steel = metal("steel", {0.56f, 0.57f, 0.58f}, 400.0f, reliefs.tray);
+    const int steel = metal("steel", {0.56f, 0.57f, 0.58f}, 300.0f, reliefs.tray);
 
     gltf.addObject("tray", gltf.addShape(turnedPiece(kTray, 4, 160)), steel);
     gltf.addObject("mould", gltf.addShape(turnedPiece(kMould, 4, 144)), copper,
@@ -187,7 +188,7 @@ void writeGrooves(const std::filesystem::path& folder)
     gltf.addObject("table", gltf.addShape(floorGrid(kTable, kTable, 8)), table);
 
     gltf.addCamera("default", {0.10f, 0.40f, 0.72f}, {0.03f, 0.01f, 0.01f}, 34.0f, 0.02f);
-    gltf.addCamera("near", {0.03f, 0.15f, 0.22f}, {-0.02f, 0.025f, -0.01f}, 42.0f, 0.005f);
+    gltf.addCamera("near", {0.050f, 0.095f, 0.150f}, {0.004f, 0.032f, -0.012f}, 42.0f, 0.005f);
     gltf.addCamera("middle", {0.22f, 0.62f, 1.05f}, {0.03f, 0.0f, 0.01f}, 32.0f, 0.03f);
     gltf.addCamera("far", {0.72f, 1.66f, 2.90f}, {0.03f, 0.0f, 0.01f}, 18.0f, 0.05f);
     // A lamp over the table, a low sun from the left, and sky.
