@@ -11,9 +11,10 @@ int main(int argc, char** argv)
 {
     using namespace lumel::assets;
     const std::map<std::string, void (*)(const std::filesystem::path&)> writers = {
-        {"record", writeRecord}, {"balls", writeBalls},   {"bricks", writeBricks},
-        {"charts", writeCharts}, {"crowd", writeCrowd},   {"stress", writeStress},
-        {"morph", writeMorph},   {"dahlia", writeDahlia}, {"tentacles", writeTentacles},
+        {"record", writeRecord},   {"balls", writeBalls},   {"bricks", writeBricks},
+        {"charts", writeCharts},   {"crowd", writeCrowd},   {"stress", writeStress},
+        {"morph", writeMorph},     {"dahlia", writeDahlia}, {"tentacles", writeTentacles},
+        {"grooves", writeGrooves},
     };
     const auto writer = argc == 3 ? writers.find(argv[2]) : writers.end();
     if (writer == writers.end()) {

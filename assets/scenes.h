@@ -13,5 +13,6 @@ void writeStress(const std::filesystem::path& folder);
 void writeTentacles(const std::filesystem::path& folder);
 void writeMorph(const std::filesystem::path& folder);
 void writeDahlia(const std::filesystem::path& folder);
+void writeGrooves(const std::filesystem::path& folder);
 
 } // namespace lumel::assets

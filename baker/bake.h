@@ -76,6 +76,7 @@ struct Options {
     // Closed forms state the mean Ks, which keeps the energy of a lobe of their shape. With this they get the
     // Ks of least error instead, <G, f> / <f, f>, as the fit does: comparisons use that.
     bool bestKs = false;
+    class Profile* profile = nullptr; // counts the time of each step
 };
 
 struct Level {

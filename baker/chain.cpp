@@ -4,6 +4,7 @@
 #include "fine.h"
 #include "footprint.h"
 #include "lobe_order.h"
+#include "profile.h"
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -123,7 +124,7 @@ void Chain::finishPairs(LevelSink& sink)
     oneLobe_.clear();
     const bool any = std::ranges::any_of(levels_, hasSecondLobe);
     if (any)
-        orderLobes(levels_, maps_.wrap);
+        orderLobes(levels_, maps_.wrap, options_.profile);
     else
         for (Level& level : levels_)
             level.second = {};
@@ -136,6 +137,7 @@ void Chain::finishPairs(LevelSink& sink)
 // Hands over the levels from `from` up to `to`; the last of them stays, for the next to start from.
 void Chain::write(LevelSink& sink, int from, int to)
 {
+    const StepTimer timer(options_.profile, Step::output);
     for (int number = from; number < to; ++number) {
         const Level& level = levels_[size_t(number)];
         sink.rows(number - options_.reduce, level.width, level.height, 0, level.height, level.texels.data(),
@@ -155,6 +157,7 @@ void Chain::writeBase(LevelSink& sink) const
         const int to = std::min(from + LevelSink::kBand, source_.height());
         band.resize(width * size_t(to - from) * kChannels);
         tbb::parallel_for(tbb::blocked_range<int>(from, to, 8), [&](const auto& rows) {
+            const StepTimer timer(options_.profile, Step::output);
             Lobes lobes;
             lobes.resize(width);
             for (int y = rows.begin(); y < rows.end(); ++y) {
@@ -171,6 +174,7 @@ void Chain::writeBase(LevelSink& sink) const
         });
         if (progress_)
             progress_->advance(0); // Ctrl-C
+        const StepTimer timer(options_.profile, Step::output);
         sink.rows(0, source_.width(), source_.height(), from, to - from, band.data(), nullptr);
     }
 }

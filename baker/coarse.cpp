@@ -1,6 +1,7 @@
 #include "coarse.h"
 #include "footprint.h"
 #include "normals.h"
+#include "profile.h"
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -59,6 +60,7 @@ void CoarseCells::gather(int cell, Lobes& lobes, std::vector<Member>& members) c
 {
     const Footprint fx(cutsX_[size_t(cell % across_)], cutsX_[size_t(cell % across_) + 1]);
     const Footprint fy(cutsY_[size_t(cell / across_)], cutsY_[size_t(cell / across_) + 1]);
+    const StepTimer timer(chain_.options_.profile, Step::input);
     const int width = fx.last - fx.first;
     lobes.resize(size_t(width) * size_t(fy.last - fy.first));
     members.clear();
@@ -80,6 +82,7 @@ void CoarseCells::survey()
     const Source& source = chain_.source_;
     std::vector<Part> parts(size_t(source.height())); // one per row: the same sums on any number of threads
     tbb::parallel_for(tbb::blocked_range<int>(0, source.height()), [&](const auto& rows) {
+        const StepTimer timer(chain_.options_.profile, Step::input);
         Lobes lobes;
         lobes.resize(size_t(source.width()));
         for (int y = rows.begin(); y < rows.end(); ++y) {
@@ -126,6 +129,7 @@ void CoarseCells::survey()
 void CoarseCells::gatherCells()
 {
     tbb::parallel_for(tbb::blocked_range<int>(0, across_ * down_), [&](const auto& range) {
+        const StepTimer timer(chain_.options_.profile, Step::sums);
         Averager averager(chain_.source_);
         Lobes lobes;
         std::vector<Member> members;
@@ -147,6 +151,7 @@ void CoarseCells::coarsen(int level)
     const int newAcross = int(newX.size()) - 1, newDown = int(newY.size()) - 1;
     std::vector<Cell> merged(size_t(newAcross) * size_t(newDown));
     tbb::parallel_for(tbb::blocked_range<int>(0, newDown), [&](const auto& rows) {
+        const StepTimer timer(chain_.options_.profile, Step::sums);
         for (int j = rows.begin(); j < rows.end(); ++j)
             for (int i = 0; i < newAcross; ++i) {
                 Cell& cell = merged[size_t(j) * size_t(newAcross) + size_t(i)];
@@ -213,6 +218,7 @@ void CoarseCells::solveLevel(int number)
     const int total = level.width * level.height;
     constexpr int kBatch = 64;
     tbb::parallel_for(tbb::blocked_range<int>(0, (total + kBatch - 1) / kBatch), [&](const auto& range) {
+        const StepTimer timer(chain_.options_.profile, Step::sums);
         Solver solver(chain_.options_, chain_.source_);
         for (int batch = range.begin(); batch < range.end(); ++batch) {
             const int end = std::min((batch + 1) * kBatch, total);

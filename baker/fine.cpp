@@ -1,6 +1,7 @@
 #include "fine.h"
 #include "footprint.h"
 #include "normals.h"
+#include "profile.h"
 
 namespace lumel::baker {
 
@@ -28,6 +29,7 @@ void FineTile::span(int from, int to, int coarseSize, int size, int& begin, int&
 
 void FineTile::readLobes(int number, int x0, int y0, int x1, int y1)
 {
+    const StepTimer timer(chain_.options_.profile, Step::input);
     const Level& level = chain_.levels_[size_t(number)];
     const Source& source = chain_.source_;
     int endX = 0, endY = 0;
@@ -143,6 +145,7 @@ void FineTile::addChildren(int number, int x, int y, TexelTask& task)
 
 void FineTile::run(int number, int x0, int y0, int size)
 {
+    const StepTimer timer(chain_.options_.profile, Step::sums);
     const Level& level = chain_.levels_[size_t(number)];
     const int x1 = std::min(x0 + size, level.width), y1 = std::min(y0 + size, level.height);
     haveFiner_ = false;
@@ -156,6 +159,7 @@ void FineTile::run(int number, int x0, int y0, int size)
 
 void FineTile::runNested(int top, int x0, int y0, int size, CoarseCells& cells)
 {
+    const StepTimer timer(chain_.options_.profile, Step::sums);
     const Level& last = chain_.levels_[size_t(top)];
     const int x1 = std::min(x0 + size, last.width), y1 = std::min(y0 + size, last.height);
     const int first = std::max(1, chain_.options_.reduce);

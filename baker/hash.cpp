@@ -45,13 +45,14 @@ std::string sourceHash(const Maps& maps, const Options& options)
     const auto& [height, heightScale, normal, normalGreenUp, signedNormals, normalScale, givenWrap, power,
                  powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
                  specularConstant, diffuse, diffuseConstant] = maps;
-    const auto& [method, model, threads, reduce, reconstruction, givenPrecision, givenLobes, mayProject] =
-        options;
+    const auto& [method, model, threads, reduce, reconstruction, givenPrecision, givenLobes, mayProject,
+                 profile] = options;
     const Wrap wrap = readsAcrossBorders(maps, options, mapSize(maps)) ? givenWrap : Wrap::repeat;
     addFields(hash, height, heightScale, normal, normalGreenUp, signedNormals, normalScale, wrap, power,
               powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
               specularConstant, diffuse, diffuseConstant);
-    static_cast<void>(threads); // does not change the result
+    static_cast<void>(threads); // these do not change the result
+    static_cast<void>(profile);
     const bool bestKs = mayProject && !isFitted(method);
     const float precision = isFitted(method) ? givenPrecision : 0.0f;
     const LobeCount lobes = method == Method::fit ? givenLobes : LobeCount::one;

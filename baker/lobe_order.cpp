@@ -1,6 +1,7 @@
 #include "lobe_order.h"
 #include "moments.h"
 #include "normals.h"
+#include "profile.h"
 #include "shared/lobe.h"
 #include "solver.h"
 #include <tbb/blocked_range.h>
@@ -65,7 +66,8 @@ float random(uint32_t x)
 // Orders of a level's texels as spins of an Ising model: +1 as stored, -1 swapped.
 class Order {
 public:
-    Order(const Level& level, Wrap wrap) : width_(level.width), height_(level.height), wrap_(wrap)
+    Order(const Level& level, Wrap wrap, Profile* profile)
+        : width_(level.width), height_(level.height), wrap_(wrap), profile_(profile)
     {
         const size_t count = size_t(width_) * size_t(height_);
         texels_.resize(count);
@@ -137,6 +139,7 @@ private:
     void forRows(const Row& row) const
     {
         tbb::parallel_for(tbb::blocked_range<int>(0, height_, 16), [&](const auto& rows) {
+            const StepTimer timer(profile_, Step::order);
             for (int y = rows.begin(); y < rows.end(); ++y)
                 row(y);
         });
@@ -167,6 +170,7 @@ private:
 
     int width_, height_;
     Wrap wrap_;
+    Profile* profile_;
     std::vector<Texel> texels_;
     std::vector<float> spins_, field_; // field: to the coarser level
     std::vector<float> right_, down_;  // to the next texel
@@ -174,11 +178,11 @@ private:
 
 } // namespace
 
-void orderLobes(std::vector<Level>& levels, Wrap wrap)
+void orderLobes(std::vector<Level>& levels, Wrap wrap, Profile* profile)
 {
     std::unique_ptr<Order> coarser;
     for (auto level = levels.rbegin(); level != levels.rend() && !level->second.empty(); ++level) {
-        auto order = std::make_unique<Order>(*level, wrap);
+        auto order = std::make_unique<Order>(*level, wrap, profile);
         if (coarser)
             order->follow(*coarser);
         order->anneal();

@@ -6,6 +6,6 @@
 namespace lumel::baker {
 
 // Swaps lobes of texels so that neighbours, and finer levels with coarser ones, correspond.
-void orderLobes(std::vector<Level>& levels, Wrap wrap);
+void orderLobes(std::vector<Level>& levels, Wrap wrap, class Profile* profile = nullptr);
 
 } // namespace lumel::baker

@@ -1,5 +1,6 @@
-// The second lobe of texels that one lobe serves badly: three starts on the finer level's lobes, a few steps
-// on the exact error from where each ends, and more from the best (fit_pair.inl).
+// The second lobe of texels that one lobe serves badly: three starts or more on the finer level's lobes, a
+// few steps on the exact error from where each ends, and more from the best (fit_pair.inl).
+#include "profile.h"
 #include "shared/lobe.h"
 #include "solver.h"
 #include <numeric>
@@ -10,8 +11,9 @@ namespace {
 // Where a second lobe is worth its storage: it takes this share off E, and this much.
 constexpr float kLeastShare = 0.25f, kLeastGain = 0.005f;
 // Evaluations against the finer level's lobes; against the average, from each start and from the best one.
-constexpr size_t kStarts = 3;
 constexpr int kRoughEvaluations = 14, kTrialEvaluations = 4, kExactEvaluations = 8;
+// Texels from this level on are few, and have more minima: a start from each of the finer level's lobes.
+constexpr int kManyStartsLevel = 4;
 
 struct TwoShapes {
     Shape first, second;
@@ -54,6 +56,7 @@ public:
         }
     }
 
+    size_t count() const { return units_.size(); }
     // The one with the most energy.
     const Shape& strongest() const
     {
@@ -210,11 +213,15 @@ std::vector<Solver::PairStart> Solver::bestOf(const std::vector<PairStart>& star
                                               const std::vector<FoundPair>& found)
 {
     std::vector<PairStart> best;
-    for (size_t i = 0; i < starts.size(); i += kStarts) {
-        const auto first = found.begin() + ptrdiff_t(i);
-        const FoundPair& f =
-            *std::ranges::min_element(first, first + ptrdiff_t(kStarts), {}, &FoundPair::error);
-        best.push_back({starts[i].texel, {f.shape[0], f.shape[1]}});
+    float error = kNoError;
+    for (size_t i = 0; i < starts.size(); ++i) {
+        const bool isFirst = best.empty() || best.back().texel != starts[i].texel;
+        if (!isFirst && found[i].error >= error)
+            continue;
+        if (isFirst)
+            best.emplace_back();
+        best.back() = {starts[i].texel, {found[i].shape[0], found[i].shape[1]}};
+        error = found[i].error;
     }
     return best;
 }
@@ -222,6 +229,7 @@ std::vector<Solver::PairStart> Solver::bestOf(const std::vector<PairStart>& star
 // Both lobes of the texels that need them, the stronger one first.
 void Solver::fitPairs(const Selection& selection, Family family)
 {
+    const StepTimer timer(options_.profile, Step::secondLobes);
     const bool automatic = options_.lobes == LobeCount::automatic;
     const float least = automatic ? kLeastGain : std::max(options_.precision, 1e-5f);
     std::vector<PairStart> starts;
@@ -236,6 +244,12 @@ void Solver::fitPairs(const Selection& selection, Family family)
         starts.push_back({t, {apart.first, apart.second}});
         starts.push_back({t, {single, finer.missing(single)}});
         starts.push_back({t, {strongest, finer.missing(strongest)}});
+        if (texel.task.level >= kManyStartsLevel)
+            for (size_t i = 0; i < finer.count(); ++i) {
+                const Shape& lobe = texel.task.finer(int(i)).shape;
+                if (&lobe != &strongest)
+                    starts.push_back({t, {lobe, finer.missing(lobe)}});
+            }
     }
     std::vector<FoundPair> found;
     runPairs(starts, family, Against::children, kRoughEvaluations, found);

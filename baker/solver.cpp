@@ -1,4 +1,5 @@
 #include "solver.h"
+#include "profile.h"
 #include "shared/limits.h"
 
 namespace lumel::baker {
@@ -43,6 +44,7 @@ void Solver::addPatch(Texel& texel, const Cell& cell)
 
 void Solver::addNodes(Texel& texel)
 {
+    const StepTimer timer(options_.profile, Step::sums);
     lobes_.resize(texel.listedCount);
     members_.clear();
     cell_.clear();
@@ -137,6 +139,7 @@ FitJob Solver::jobOf(const Start& start, Family family, Against against) const
 
 void Solver::run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found)
 {
+    const StepTimer timer(options_.profile, against == Against::children ? Step::starts : Step::searches);
     const size_t count = starts.size();
     jobs_.resize(count);
     order_.clear();
@@ -182,6 +185,7 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
 // On nodes by a kernel of its own; against lists by a search that ends where it starts.
 void Solver::judge(const std::vector<Start>& starts, std::vector<Found>& found)
 {
+    const StepTimer timer(options_.profile, Step::closedForms);
     found.resize(starts.size());
     std::vector<Start> onNodes;
     std::vector<size_t> nodeIndices, listIndices;
@@ -242,6 +246,7 @@ void Solver::judgeOnNodes(const std::vector<Start>& starts, std::vector<Found>& 
 
 void Solver::solve()
 {
+    const StepTimer timer(options_.profile, Step::closedForms);
     const bool closedForm = !isFitted(options_.method);
     Selection selection;
     starts_.clear();
@@ -266,12 +271,7 @@ void Solver::solve()
         polish(selection, isotropic);
         mergeLists(selection);
     }
-    for (const Texel& texel : texels_) {
-        const bool ownKs = texel.task.uniform || (texel.task.fixed && !options_.bestKs);
-        write(texel, texel.best[isotropic ? kIsotropic : kAnisotropic], texel.task.texel, ownKs);
-        if (texel.task.oneLobe)
-            write(texel, texel.best[kAnisotropic], texel.task.oneLobe, ownKs);
-    }
+    writeSingles(isotropic ? kIsotropic : kAnisotropic);
     // This may put nodes in place of lists, so single lobes are written before.
     if (options_.lobes != LobeCount::one)
         fitPairs(selection, isotropic ? kIsotropic : kAnisotropic);
@@ -285,6 +285,17 @@ void Solver::solve()
     nodes_.clear();
     for (auto* v : {&weight_, channelWeight_, channelWeight_ + 1, channelWeight_ + 2})
         v->clear();
+}
+
+void Solver::writeSingles(Family family)
+{
+    const StepTimer timer(options_.profile, Step::output);
+    for (const Texel& texel : texels_) {
+        const bool ownKs = texel.task.uniform || (texel.task.fixed && !options_.bestKs);
+        write(texel, texel.best[family], texel.task.texel, ownKs);
+        if (texel.task.oneLobe)
+            write(texel, texel.best[kAnisotropic], texel.task.oneLobe, ownKs);
+    }
 }
 
 void Solver::write(const Texel& texel, const Found& found, float* t, bool ownKs)

@@ -130,6 +130,7 @@ private:
     void writePairColours(const Texel& texel, float* first, float* second);
     void writeDiffuse(const TexelTask& task, const glm::dvec3& normal, float* to);
     void sampleShape(const Texel& texel, const Shape& shape);
+    void writeSingles(Family family);
     void write(const Texel& texel, const Found& found, float* to, bool ownKs);
     void writeSpecular(const Texel& texel, const Found& found, float* to, bool ownKs);
     void projectColours(const Texel& texel, const Shape& shape, double ks, float* to);

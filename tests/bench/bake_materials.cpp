@@ -1,7 +1,9 @@
 // How long each material of glTF models takes to bake, worst first, and how exact the fits are: seconds a
-// megatexel of level 0, and the mean of E on levels 1, 2, 3 and 5.
+// megatexel of level 0, the share of threads' time that each step of the bake takes, and the mean of E on
+// levels 1, 2, 3 and 5.
 //   build/bake_materials [--lobes auto|2] model.gltf...
 #include "baker/bake.h"
+#include "baker/profile.h"
 #include "core/decoder_process.h"
 #include "core/error.h"
 #include "scene/gltf/gltf.h"
@@ -9,17 +11,22 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <numeric>
 
 namespace lumel {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
+using Steps = std::array<double, baker::kStepNames.size()>; // seconds of all threads
+
 struct Row {
     std::string name;
     glm::ivec2 size;
     double seconds;
     std::array<double, 4> errors; // mean E
+    Steps steps;
     double megatexels() const { return 1e-6 * size.x * size.y; }
     double rate() const { return seconds / megatexels(); }
     bool isConstant() const { return size == glm::ivec2(1); }
@@ -34,15 +41,18 @@ double meanError(const baker::Level& level)
     return sum / double(count);
 }
 
-Row bakeOne(const scene::Scene& scene, const scene::Material& material, const baker::Options& options)
+Row bakeOne(const scene::Scene& scene, const scene::Material& material, baker::Options options)
 {
+    baker::Profile profile;
+    options.profile = &profile;
     const baker::Maps maps = scene::reflectanceMaps(scene, material);
     const auto start = Clock::now();
     const baker::ReflectanceMips mips = baker::bake(maps, options);
     Row row{fmt::format("{}:{}", scene.file.stem().string(), material.name),
             baker::mapSize(maps),
             std::chrono::duration<double>(Clock::now() - start).count(),
-            {}};
+            {},
+            profile.seconds()};
     constexpr std::array<size_t, 4> kLevels = {1, 2, 3, 5};
     for (size_t i = 0; i < kLevels.size(); ++i)
         if (kLevels[i] < mips.levels.size())
@@ -50,11 +60,23 @@ Row bakeOne(const scene::Scene& scene, const scene::Material& material, const ba
     return row;
 }
 
+// In percent of their sum.
+std::string shares(const Steps& steps)
+{
+    const double sum = std::max(std::accumulate(steps.begin(), steps.end(), 0.0), 1e-9);
+    std::string text;
+    for (const double seconds : steps)
+        text += fmt::format(" {:3.0f}", 100.0 * seconds / sum);
+    return text;
+}
+
 void print(std::vector<Row>& rows)
 {
     std::ranges::sort(rows, std::greater(), [](const Row& r) { return r.isConstant() ? 0.0 : r.rate(); });
-    fmt::print("{:40} {:>11} {:>8} {:>8}  {}\n", "material", "size", "seconds", "s/Mtexel",
-               "mean E, levels 1, 2, 3, 5");
+    fmt::print("% of time: {}\n", fmt::join(baker::kStepNames, ", "));
+    fmt::print("{:40} {:>11} {:>8} {:>8}  {:39} {}\n", "material", "size", "seconds", "s/Mtexel",
+               "mean E, levels 1, 2, 3, 5", "% of time");
+    Steps total{};
     double constantSeconds = 0.0;
     int constants = 0;
     for (const Row& r : rows) {
@@ -64,10 +86,12 @@ void print(std::vector<Row>& rows)
             ++constants;
             continue;
         }
-        fmt::print("{:40} {:>11} {:8.3f} {:>8}  {:.5f} {:.5f} {:.5f} {:.5f}\n", r.name.substr(0, 40),
+        std::ranges::transform(total, r.steps, total.begin(), std::plus());
+        fmt::print("{:40} {:>11} {:8.3f} {:>8}  {:.5f} {:.5f} {:.5f} {:.5f} {}\n", r.name.substr(0, 40),
                    fmt::format("{} x {}", r.size.x, r.size.y), r.seconds, fmt::format("{:.2f}", r.rate()),
-                   e[0], e[1], e[2], e[3]);
+                   e[0], e[1], e[2], e[3], shares(r.steps));
     }
+    fmt::print("{:110} {}\n", "all of these", shares(total));
     fmt::print("{} materials without maps: {:.1f} ms\n", constants, 1e3 * constantSeconds);
 }
 
