@@ -1,6 +1,7 @@
 // The commands behind main(): options as plain data in, exit through Error or return.
 #pragma once
 #include "baker/bake.h"
+#include "export/export.h"
 #include "gpu/device.h"
 #include "gpu/present_mode.h"
 #include "playback.h"
@@ -10,6 +11,30 @@
 #include <string>
 
 namespace lumel {
+
+// auto follows the format of the files.
+enum class PackingChoice { automatic, gltf, orm, unity, unreal };
+enum class TexelChoice { automatic, bytes, blocks, halves };
+
+// How a baked material is written for other engines.
+struct ExportChoices {
+    baker::ExportFormat format = baker::ExportFormat::ktx2;
+    PackingChoice packing = PackingChoice::automatic;
+    TexelChoice texels = TexelChoice::automatic;
+    bool normalGreenUp = true;
+    bool anisotropic = false;
+    bool zstandard = false;
+    bool ktx2Beside = false; // of glTF
+};
+baker::ExportOptions exportOptions(const ExportChoices& choices, int threads);
+
+struct ExportArguments {
+    std::filesystem::path baked, folder;
+    std::string name; // empty: that of the baked file
+    ExportChoices choices;
+    int threads = 0;
+};
+void runExport(const ExportArguments& arguments);
 
 struct BakeArguments {
     std::filesystem::path height, normal, powerMap, roughness, tangentRotation, output;
