@@ -144,7 +144,11 @@ public:
     {
     }
 
-    GgxTexel texel(int x, int y)
+    struct Errors {
+        float own = 0.0f, converted = 0.0f, averaged = 0.0f;
+    };
+
+    GgxTexel texel(int x, int y, Errors& errors)
     {
         const GgxMeans means = average_.means(x, y, level_.width, level_.height);
         const float* t = level_.at(x, y);
@@ -172,11 +176,9 @@ public:
         GgxShape converted = result.shape; // of the baked normal
         converted.normal = glm::vec3(normalOf(baked));
         converted.alphaT = converted.alphaB = std::sqrt(2.0f / (scalarPower(baked) + 2.0f));
-        count(own, error(converted), averaged);
+        errors = {float(own), float(error(converted)), float(averaged)};
         return result;
     }
-
-    GgxErrors sums; // worst is the greatest
 
 private:
     // What the normals spread adds to the mean square of alpha: twice the variance of their slopes
@@ -218,14 +220,6 @@ private:
         }
     }
 
-    void count(double own, double converted, double averaged)
-    {
-        sums.mean += own;
-        sums.worst = std::max(sums.worst, own);
-        sums.converted += converted;
-        sums.averaged += averaged;
-    }
-
     GgxAverage average_;
     const Level& level_;
     const GgxOptions& options_;
@@ -243,6 +237,7 @@ GgxLevel fittedLevel(const GgxBase& base, const Level& level, const GgxOptions& 
     const size_t count = size_t(level.width) * size_t(level.height);
     const size_t units = size_t(base.width) * size_t(base.height); // of the whole level
     result.texels.resize(count);
+    std::vector<LevelFit::Errors> errors(count);
     tbb::enumerable_thread_specific<LevelFit> fits([&] { return LevelFit(base, level, options); });
     std::atomic<size_t> done = 0;
     const size_t grain = std::clamp<size_t>(count / 64, 1, 1024);
@@ -250,16 +245,17 @@ GgxLevel fittedLevel(const GgxBase& base, const Level& level, const GgxOptions& 
         checkInterrupted();
         LevelFit& fit = fits.local();
         for (size_t i = range.begin(); i < range.end(); ++i)
-            result.texels[i] = fit.texel(int(i % size_t(level.width)), int(i / size_t(level.width)));
+            result.texels[i] =
+                fit.texel(int(i % size_t(level.width)), int(i / size_t(level.width)), errors[i]);
         const size_t before = done.fetch_add(range.size());
         if (progress)
             progress->advance((before + range.size()) * units / count - before * units / count);
     });
-    for (const LevelFit& fit : fits) {
-        result.errors.mean += fit.sums.mean / double(count);
-        result.errors.converted += fit.sums.converted / double(count);
-        result.errors.averaged += fit.sums.averaged / double(count);
-        result.errors.worst = std::max(result.errors.worst, fit.sums.worst);
+    for (const auto& e : errors) { // in this order whatever the threads
+        result.errors.mean += double(e.own) / double(count);
+        result.errors.converted += double(e.converted) / double(count);
+        result.errors.averaged += double(e.averaged) / double(count);
+        result.errors.worst = std::max(result.errors.worst, double(e.own));
     }
     return result;
 }
