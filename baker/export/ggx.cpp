@@ -15,8 +15,8 @@ namespace {
 
 // Averaged maps with less error are kept: all lobes are alike.
 constexpr double kAlike = 1e-6;
-// alphaOfVariance() of kMaxPower.
-constexpr float kLeastAlpha = 0.0096f;
+// A roughness of 0.045, below which half floats and many engines give up (Filament).
+constexpr float kSharpest = 0.002f;
 
 // Axes of a covariance in the frame of its normal: deviation along and across, and the tangent along.
 struct Axes {
@@ -77,7 +77,19 @@ bool isIsotropic(const GgxShape& shape)
     return shape.alphaT < 1.002f * shape.alphaB; // halves round
 }
 
-GgxBase baseOf(const Level& level)
+// Beyond the limits of powers, the roughness is that of the source.
+void unclamp(GgxTexel& texel, const Image& roughness, glm::vec2 at)
+{
+    const int x = std::min(int(at.x * float(roughness.width)), roughness.width - 1);
+    const int y = std::min(int(at.y * float(roughness.height)), roughness.height - 1);
+    const float alpha = std::pow(*roughness.at(x, y), 2.0f), own = texel.shape.alphaT;
+    const bool isLimit = own < 1.01f * alphaOfVariance(1.0f / shared::kMaxPower) ||
+                         own > 0.99f * alphaOfVariance(1.0f / shared::kMinPower);
+    if (isIsotropic(texel.shape) && isLimit)
+        texel.shape.alphaT = texel.shape.alphaB = std::clamp(alpha, kSharpest, 1.0f);
+}
+
+GgxBase baseOf(const Level& level, const Image* roughness)
 {
     GgxBase base{level.width, level.height, {}, {}, true};
     const size_t count = size_t(level.width) * size_t(level.height);
@@ -86,6 +98,10 @@ GgxBase baseOf(const Level& level)
     tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 4096), [&](const auto& range) {
         for (size_t i = range.begin(); i < range.end(); ++i) {
             base.texels[i] = baseTexel(&level.texels[i * kChannels]);
+            if (roughness)
+                unclamp(base.texels[i], *roughness,
+                        {(float(i % size_t(level.width)) + 0.5f) / float(level.width),
+                         (float(i / size_t(level.width)) + 0.5f) / float(level.height)});
             base.lobes[i] = GgxLobe(base.texels[i].shape);
         }
     });
@@ -126,7 +142,7 @@ float bestFactor(const Error& error)
 
 float clampAlpha(float alpha)
 {
-    return std::clamp(alpha, kLeastAlpha, 1.0f);
+    return std::clamp(alpha, kSharpest, 1.0f);
 }
 
 GgxShape stretched(const GgxShape& shape, float along, float across)
@@ -280,7 +296,7 @@ std::vector<GgxLevel> fitGgx(const ReflectanceMips& mips, const GgxOptions& opti
     std::vector<GgxLevel> levels;
     tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
     arena.execute([&] {
-        const GgxBase base = baseOf(mips.levels.front());
+        const GgxBase base = baseOf(mips.levels.front(), options.roughness);
         for (const Level& level : mips.levels) {
             const bool isPlain = levels.empty() && (options.anisotropic || base.isIsotropic);
             levels.push_back(isPlain ? plainLevel(base) : fittedLevel(base, level, options, progress));

@@ -33,6 +33,8 @@ struct GgxLevel {
 struct GgxOptions {
     bool anisotropic = false; // else the nearest isotropic lobes
     int threads = 0;          // 0: one per core
+    // The source's perceptual roughness (channel 0), where it is at hand: powers end at 0.098 and 0.843.
+    const Image* roughness = nullptr;
 };
 
 // alpha of the GGX lobe that looks like a lobe of this variance, 1 / power.

@@ -1,5 +1,8 @@
 #include "gltf_file.h"
 #include "byte_writer.h"
+#include "core/error.h"
+#include "core/file.h"
+#include <fmt/format.h>
 
 namespace lumel::baker {
 
@@ -49,6 +52,31 @@ std::vector<std::byte> GltfFile::glb() const
         out.add(binaryBytes);
     }
     return out.take();
+}
+
+GltfFile readGltfFile(const std::filesystem::path& path)
+{
+    const std::vector<std::byte> bytes = readFile(path);
+    std::span<const std::byte> text = bytes;
+    GltfFile file;
+    if (bytes.size() >= 20 && std::memcmp(bytes.data(), "glTF", 4) == 0) {
+        const auto chunk = [&](size_t at) { // its data; empty beyond the end
+            uint32_t length = 0;
+            if (at + 8 <= bytes.size())
+                std::memcpy(&length, &bytes[at], sizeof length);
+            return std::span(bytes).subspan(
+                std::min(at + 8, bytes.size()),
+                std::min<size_t>(length, bytes.size() - std::min(at + 8, bytes.size())));
+        };
+        text = chunk(12);
+        const auto binary = chunk(20 + text.size());
+        file.binary.assign(binary.begin(), binary.end());
+    }
+    const auto* begin = reinterpret_cast<const char*>(text.data());
+    file.json = GltfJson::parse(begin, begin + text.size(), nullptr, false);
+    if (!file.json.is_object())
+        throw Error(fmt::format("{}: not glTF; name a .gltf or .glb file", path.string()));
+    return file;
 }
 
 } // namespace lumel::baker

@@ -1,6 +1,7 @@
 // A glTF 2.0 file as its JSON and its binary chunk, for writers that leave what they do not know as it is.
 #pragma once
 #include <cstddef>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -24,5 +25,9 @@ struct GltfFile {
 
     std::vector<std::byte> glb() const;
 };
+
+// A .gltf or .glb that another reader has found to be sound; other buffers and images stay where they are.
+// Throws Error.
+GltfFile readGltfFile(const std::filesystem::path& file);
 
 } // namespace lumel::baker

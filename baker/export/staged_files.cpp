@@ -40,7 +40,10 @@ StagedFiles::~StagedFiles()
 fs::path StagedFiles::path(const std::string& name)
 {
     names_.push_back(name);
-    return temporary_ / name;
+    const fs::path file = temporary_ / name;
+    std::error_code ignored; // what cannot be made cannot be written, which is said then
+    fs::create_directories(file.parent_path(), ignored);
+    return file;
 }
 
 void StagedFiles::write(const std::string& name, std::span<const std::byte> bytes)
@@ -65,6 +68,7 @@ void StagedFiles::publish()
             throw Error(fmt::format("{}: is a folder; remove it", (folder_ / name).string()));
     for (const std::string& name : names_) {
         std::error_code code;
+        fs::create_directories((folder_ / name).parent_path(), code);
         fs::rename(temporary_ / name, folder_ / name, code);
         if (code)
             throw Error(fmt::format("{}: cannot be written ({})", (folder_ / name).string(), code.message()));

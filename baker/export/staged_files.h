@@ -16,7 +16,7 @@ public:
     StagedFiles(const StagedFiles&) = delete;
     StagedFiles& operator=(const StagedFiles&) = delete;
 
-    // Where to write a file that is to be called `name`.
+    // Where to write a file that is to be called `name`, which may lie in a folder below.
     std::filesystem::path path(const std::string& name);
     void write(const std::string& name, std::span<const std::byte> bytes);
     void write(const std::string& name, const std::string& text);

@@ -37,6 +37,10 @@ struct ExportArguments {
 void runExport(const ExportArguments& arguments);
 
 struct BakeArguments {
+    std::filesystem::path model;        // glTF whose materials are baked, in place of maps
+    bool ktx2Textures = false;          // of a model: all levels beside it
+    std::filesystem::path exportFolder; // of maps: written for other engines, too
+    ExportChoices exported;
     std::filesystem::path height, normal, powerMap, roughness, tangentRotation, output;
     float heightScale = 0.0f;
     bool normalGreenUp = true;                    // green points along the bitangent
@@ -51,6 +55,7 @@ struct BakeArguments {
 };
 // Throws Error naming what failed when a manifest's entries do.
 void runBake(const BakeArguments& arguments);
+void runBakeModel(const BakeArguments& arguments);
 
 // perScene: automatic for scenes that bring their own lights and would be nearly white or black at
 // exposure 1.

@@ -21,7 +21,7 @@ void addCommands(CommandLine& line, Arguments& arguments);
 
 void addBake(CommandLine& line, BakeArguments& arguments);
 void addExport(CommandLine& line, ExportArguments& arguments);
-void addExportFormat(Command& command, ExportChoices& choices); // --to
+Option addExportFormat(Command& command, ExportChoices& choices); // --to
 void addShot(CommandLine& line, ShotArguments& arguments);
 void addView(CommandLine& line, ViewArguments& arguments);
 void addCompare(CommandLine& line, CompareArguments& arguments);

@@ -17,12 +17,13 @@ bool isGltf(baker::ExportFormat format)
 
 } // namespace
 
-void addExportFormat(Command& command, ExportChoices& c)
+Option addExportFormat(Command& command, ExportChoices& c)
 {
-    addChoice(command, "--to", kFormatNames,
-              "files to write: gltf and glb show the material on a square; dds and ktx2 hold all levels, png "
-              "and exr are one file a level",
-              c.format);
+    return addChoice(
+        command, "--to", kFormatNames,
+        "files to write: gltf and glb show the material on a square; dds and ktx2 hold all levels, png "
+        "and exr are one file a level",
+        c.format);
 }
 
 namespace {
