@@ -24,12 +24,14 @@ void addSquare(GltfFile& file)
     const std::array<float, 16> tangents{1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1};
     const std::array<float, 8> uvs{0, 1, 1, 1, 1, 0, 0, 0};
     const std::array<uint16_t, 6> indices{0, 1, 2, 0, 2, 3};
+    constexpr int kFloat = 5126, kShort = 5123;
     const auto accessor = [&](const auto& values, int type, const char* shape, size_t count) {
         const size_t view = file.addView(std::as_bytes(std::span(values)));
+        constexpr int kVertices = 34962, kIndices = 34963;
+        file.json["bufferViews"][view]["target"] = type == kShort ? kIndices : kVertices;
         return file.add("accessors",
                         {{"bufferView", view}, {"componentType", type}, {"count", count}, {"type", shape}});
     };
-    constexpr int kFloat = 5126, kShort = 5123;
     const size_t position = accessor(positions, kFloat, "VEC3", 4);
     file.json["accessors"][position]["min"] = {-kHalf, -kHalf, 0};
     file.json["accessors"][position]["max"] = {kHalf, kHalf, 0};

@@ -12,6 +12,7 @@
 #include "scene/material_images.h"
 #include "scene/material_maps.h"
 #include <chrono>
+#include <cstring>
 #include <fmt/format.h>
 
 namespace lumel {
@@ -38,6 +39,19 @@ const GltfJson* placingTexture(const GltfJson& material)
     return nullptr;
 }
 
+// Of the formats that glTF allows in buffer views; null for others.
+const char* mimeTypeOf(std::span<const std::byte> bytes)
+{
+    const auto begins = [&](const char* with, size_t count) {
+        return bytes.size() > 12 && std::memcmp(bytes.data(), with, count) == 0;
+    };
+    if (begins("\x89PNG", 4))
+        return "image/png";
+    if (begins("\xff\xd8\xff", 3))
+        return "image/jpeg";
+    return begins("RIFF", 4) ? "image/webp" : nullptr;
+}
+
 class ModelBake {
 public:
     explicit ModelBake(const BakeArguments& arguments)
@@ -55,6 +69,8 @@ public:
         size_t baked = 0;
         for (size_t i = 0; i < scene_.materials.size(); ++i)
             baked += bake(i) ? 1 : 0;
+        if (isBinary_)
+            embedImages();
         copyReferences();
         write();
         files_.publish();
@@ -198,6 +214,25 @@ private:
             const std::string file = fmt::format("{}_{}.ktx2", name, map.name);
             files_.write(file, baker::encodeKtx2(map, baker::TexelStorage::bytes, false));
             json["extras"]["lumel"]["textures"][map.name] = file;
+        }
+    }
+
+    // A .glb holds its images: a file that can be moved alone.
+    void embedImages()
+    {
+        if (!file_.json.contains("images"))
+            return;
+        for (GltfJson& image : file_.json["images"]) {
+            const std::string uri = image.value("uri", std::string());
+            if (uri.empty() || scene::isDataUri(uri))
+                continue;
+            const std::vector<std::byte> bytes = readFile(fileOf(uri));
+            const char* type = mimeTypeOf(bytes);
+            if (!type)
+                continue;
+            image.erase("uri");
+            image["mimeType"] = type;
+            image["bufferView"] = file_.addView(bytes);
         }
     }
 
