@@ -1,5 +1,6 @@
 #include "dds.h"
 #include "byte_writer.h"
+#include <array>
 
 namespace lumel::baker {
 namespace {
@@ -23,7 +24,44 @@ uint32_t dxgiFormat(TexelFormat format)
     return 0;
 }
 
-void writeHeader(ByteWriter& out, const ExportMap& map, TexelFormat format)
+// Of the header before DirectX 10: flags, four characters or a number, bits and masks of R, G, B and A.
+std::array<uint32_t, 7> oldPixelFormat(TexelFormat format)
+{
+    constexpr uint32_t kAlpha = 1, kFourCharacters = 4, kRgb = 0x40, kLuminance = 0x20000;
+    const auto characters = [](const char* c) {
+        return uint32_t(c[0]) | uint32_t(c[1]) << 8 | uint32_t(c[2]) << 16 | uint32_t(c[3]) << 24;
+    };
+    switch (format) {
+    case TexelFormat::rgba16f:
+        return {kFourCharacters, 113, 0, 0, 0, 0, 0}; // D3DFMT_A16B16G16R16F
+    case TexelFormat::rgba8:
+    case TexelFormat::rgba8Srgb:
+        return {kRgb | kAlpha, 0, 32, 0xff, 0xff00, 0xff0000, 0xff000000};
+    case TexelFormat::r8:
+        return {kLuminance, 0, 8, 0xff, 0, 0, 0};
+    case TexelFormat::bc4:
+        return {kFourCharacters, characters("BC4U"), 0, 0, 0, 0, 0};
+    case TexelFormat::bc5:
+        return {kFourCharacters, characters("BC5U"), 0, 0, 0, 0, 0};
+    }
+    return {};
+}
+
+void writePixelFormat(ByteWriter& out, TexelFormat format, DdsHeader header)
+{
+    out.word(32);
+    if (header == DdsHeader::dx9) {
+        for (const uint32_t word : oldPixelFormat(format))
+            out.word(word);
+        return;
+    }
+    out.word(4); // the DX10 header tells
+    out.text("DX10");
+    for (int i = 0; i < 5; ++i)
+        out.word(0);
+}
+
+void writeHeader(ByteWriter& out, const ExportMap& map, TexelFormat format, DdsHeader header)
 {
     const Image& finest = map.levels.front();
     const bool blocks = layoutOf(format).blockSide > 1;
@@ -39,14 +77,12 @@ void writeHeader(ByteWriter& out, const ExportMap& map, TexelFormat format)
     out.word(uint32_t(map.levels.size()));
     for (int i = 0; i < 11; ++i)
         out.word(0);
-    out.word(32); // the pixel format: see the DX10 header
-    out.word(4);
-    out.text("DX10");
-    for (int i = 0; i < 5; ++i)
-        out.word(0);
+    writePixelFormat(out, format, header);
     out.word(0x1000 | 0x400000 | 8); // a texture, with MIPs, of several surfaces
     for (int i = 0; i < 4; ++i)
         out.word(0);
+    if (header == DdsHeader::dx9)
+        return;
     constexpr uint32_t kTexture2D = 3, kStraight = 1, kOpaque = 3;
     out.word(dxgiFormat(format));
     out.word(kTexture2D);
@@ -57,11 +93,11 @@ void writeHeader(ByteWriter& out, const ExportMap& map, TexelFormat format)
 
 } // namespace
 
-std::vector<std::byte> encodeDds(const ExportMap& map, TexelStorage storage)
+std::vector<std::byte> encodeDds(const ExportMap& map, TexelStorage storage, DdsHeader header)
 {
     const TexelFormat format = formatOf(map, storage);
     ByteWriter out;
-    writeHeader(out, map, format);
+    writeHeader(out, map, format, header);
     for (const Image& level : map.levels)
         out.add(encodeTexels(level, format));
     return out.take();

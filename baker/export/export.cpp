@@ -75,7 +75,7 @@ Json writeTexture(const std::string& name, const ExportMap& map, const ExportOpt
     checkInterrupted();
     Json json = describe(map, nameOf(formatOf(map, options.storage)));
     const std::string file = fmt::format("{}_{}.{}", name, map.name, asDds ? "dds" : "ktx2");
-    files.write(file, asDds ? encodeDds(map, options.storage)
+    files.write(file, asDds ? encodeDds(map, options.storage, options.ddsHeader)
                             : encodeKtx2(map, options.storage, options.zstandard));
     json["files"].push_back(file);
     return json;

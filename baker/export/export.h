@@ -13,8 +13,9 @@ struct ExportOptions {
     ExportFormat format = ExportFormat::ktx2;
     MapOptions maps;
     TexelStorage storage = TexelStorage::bytes; // of DDS and KTX2
-    bool zstandard = false;                     // of KTX2
-    bool ktx2Beside = false;                    // of glTF: KTX2 files of the same maps
+    DdsHeader ddsHeader = DdsHeader::dx10;
+    bool zstandard = false;  // of KTX2
+    bool ktx2Beside = false; // of glTF: KTX2 files of the same maps
     int threads = 0;
 };
 

@@ -8,6 +8,10 @@ namespace lumel::baker {
 // Bits of a texel: 8 a channel, block-compressed where a format suits the map, or half floats.
 enum class TexelStorage { bytes, blocks, halves };
 
+// Headers of DDS files: DX10 names any format; that of DirectX 9, which older programs want, does not tell
+// sRGB.
+enum class DdsHeader { dx10, dx9 };
+
 enum class TexelFormat { r8, rgba8, rgba8Srgb, rgba16f, bc4, bc5 };
 
 // The format that holds a map: one channel in R8 or BC4, normals in BC5 (x and y), all else in four channels.

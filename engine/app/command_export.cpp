@@ -22,6 +22,7 @@ baker::ExportOptions exportOptions(const ExportChoices& c, int threads)
     options.storage = isDds ? TexelStorage::blocks : TexelStorage::bytes;
     if (c.texels != TexelChoice::automatic)
         options.storage = TexelStorage(int(c.texels) - 1);
+    options.ddsHeader = c.ddsHeader;
     options.zstandard = c.zstandard;
     options.ktx2Beside = c.ktx2Beside;
     options.threads = threads;

@@ -23,6 +23,7 @@ struct ExportChoices {
     TexelChoice texels = TexelChoice::automatic;
     bool normalGreenUp = true;
     bool anisotropic = false;
+    baker::DdsHeader ddsHeader = baker::DdsHeader::dx10;
     bool zstandard = false;
     bool ktx2Beside = false; // of glTF
 };

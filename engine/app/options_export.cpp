@@ -8,6 +8,7 @@ constexpr std::array kFormatNames{"gltf", "glb", "dds", "ktx2", "png", "exr"}; /
 constexpr std::array kPackingNames{"auto", "gltf", "orm", "unity", "unreal"};  // PackingChoice
 constexpr std::array kTexelNames{"auto", "8bit", "blocks", "half"};            // TexelChoice
 constexpr std::array kGreenDirections{"down", "up"};
+constexpr std::array kDdsHeaderNames{"dx10", "dx9"}; // baker::DdsHeader
 constexpr std::array kTextureNames{"png", "ktx2"};
 
 bool isGltf(baker::ExportFormat format)
@@ -43,6 +44,9 @@ void addExportOptions(Command& command, ExportChoices& c)
               "direction of green in the normal maps that are written", c.normalGreenUp);
     command.addFlag("--anisotropy", "write anisotropy direction and strength (KHR_materials_anisotropy)",
                     c.anisotropic);
+    addChoice(command, "--dds-header", kDdsHeaderNames,
+              "header of dds files; dx9 is for older programs and does not tell sRGB from linear",
+              c.ddsHeader);
     command.addFlag("--zstd", "compress ktx2 files with Zstandard", c.zstandard);
     addChoice(command, "--textures", kTextureNames,
               "textures of gltf and glb: ktx2 writes all levels beside the PNG images", c.ktx2Beside);
@@ -54,6 +58,8 @@ void checkExportOptions(const ExportChoices& c)
     const bool writesKtx2 = c.format == ExportFormat::ktx2 || (isGltf(c.format) && c.ktx2Beside);
     if (c.zstandard && !writesKtx2)
         throw UsageError("--zstd compresses ktx2 files only");
+    if (c.ddsHeader != baker::DdsHeader::dx10 && c.format != ExportFormat::dds)
+        throw UsageError("--dds-header goes with --to dds");
     if (c.ktx2Beside && !isGltf(c.format))
         throw UsageError("--textures ktx2 goes with --to gltf or glb");
     if (c.texels != TexelChoice::automatic && !writesKtx2 && c.format != ExportFormat::dds)
