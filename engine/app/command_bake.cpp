@@ -49,7 +49,8 @@ Image readIfNamed(const std::filesystem::path& file)
 
 void runManifest(const BakeArguments& arguments)
 {
-    const baker::ManifestResult result = baker::bakeManifest(arguments.manifest, arguments.options, true);
+    const baker::ManifestResult result =
+        baker::bakeManifest(arguments.manifest, arguments.options, true, arguments.shard);
     if (result.failures.empty())
         return;
     std::string names; // a failure is "output: why"

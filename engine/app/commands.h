@@ -1,6 +1,7 @@
 // The commands behind main(): options as plain data in, exit through Error or return.
 #pragma once
 #include "baker/bake.h"
+#include "baker/manifest.h"
 #include "export/export.h"
 #include "gpu/device.h"
 #include "gpu/present_mode.h"
@@ -53,6 +54,7 @@ struct BakeArguments {
     bool asFloat = false;
     std::vector<std::filesystem::path> reports; // .json, .html
     std::filesystem::path manifest;             // bakes what it lists, in place of all others
+    baker::Shard shard;                         // of the manifest
 };
 // Throws Error naming what failed when a manifest's entries do.
 void runBake(const BakeArguments& arguments);

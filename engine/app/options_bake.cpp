@@ -57,6 +57,18 @@ void addFit(Command& command, BakeArguments& a)
     addNumber(command, "--threads", 0, 1024, "", "0: one per core", a.options.threads);
 }
 
+// "2/8": the second of eight.
+std::string readShard(const std::string& text, baker::Shard& shard)
+{
+    const size_t slash = text.find('/');
+    const auto index = numberFrom<int>(text.substr(0, slash));
+    const auto count = slash == std::string::npos ? std::nullopt : numberFrom<int>(text.substr(slash + 1));
+    if (!index || !count || *count < 1 || *index < 1 || *index > *count)
+        return "not I/N with I from 1 to N";
+    shard = {size_t(*index - 1), size_t(*count)};
+    return "";
+}
+
 void addOutput(Command& command, BakeArguments& a)
 {
     command.addFlag("--float", "store single precision in place of half", a.asFloat);
@@ -72,7 +84,12 @@ void addOutput(Command& command, BakeArguments& a)
                             const bool known = file.ends_with(".json") || file.ends_with(".html");
                             return known ? "" : "end the name in .json or .html";
                         });
-    addText(command, "--manifest", "FILE", "bake the maps that this JSON file lists", a.manifest);
+    const Option manifest =
+        addText(command, "--manifest", "FILE", "bake the maps that this JSON file lists", a.manifest);
+    command
+        .add("--shard", "I/N", "bake every N-th entry of the manifest, from the I-th (1..N) on",
+             [&a](const std::string& text) { return readShard(text, a.shard); })
+        .needs(manifest);
 }
 
 // A model brings its own maps.
@@ -90,7 +107,7 @@ void checkModel(const BakeArguments& a, const Command& command)
 void check(const BakeArguments& a, const Command& command)
 {
     if (!a.manifest.empty()) {
-        const std::set<std::string> defaults{"--manifest", "--threads", "--method", "--model"};
+        const std::set<std::string> defaults{"--manifest", "--shard", "--threads", "--method", "--model"};
         for (const Option& option : command.given())
             if (!defaults.contains(option.name()))
                 throw UsageError("--manifest excludes " + option.name());
