@@ -36,7 +36,7 @@ std::array<uint32_t, 7> oldPixelFormat(TexelFormat format)
         return {kFourCharacters, 113, 0, 0, 0, 0, 0}; // D3DFMT_A16B16G16R16F
     case TexelFormat::rgba8:
     case TexelFormat::rgba8Srgb:
-        return {kRgb | kAlpha, 0, 32, 0xff, 0xff00, 0xff0000, 0xff000000};
+        return {kRgb | kAlpha, 0, 32, 0xff0000, 0xff00, 0xff, 0xff000000}; // see swapRedAndBlue()
     case TexelFormat::r8:
         return {kLuminance, 0, 8, 0xff, 0, 0, 0};
     case TexelFormat::bc4:
@@ -91,6 +91,13 @@ void writeHeader(ByteWriter& out, const ExportMap& map, TexelFormat format, DdsH
     out.word(map.channels.size() == 4 ? kStraight : kOpaque);
 }
 
+// The order of D3DFMT_A8R8G8B8, which some readers take for granted.
+void swapRedAndBlue(std::vector<std::byte>& texels)
+{
+    for (size_t i = 0; i + 3 < texels.size(); i += 4)
+        std::swap(texels[i], texels[i + 2]);
+}
+
 } // namespace
 
 std::vector<std::byte> encodeDds(const ExportMap& map, TexelStorage storage, DdsHeader header)
@@ -98,8 +105,14 @@ std::vector<std::byte> encodeDds(const ExportMap& map, TexelStorage storage, Dds
     const TexelFormat format = formatOf(map, storage);
     ByteWriter out;
     writeHeader(out, map, format, header);
-    for (const Image& level : map.levels)
-        out.add(encodeTexels(level, format));
+    const bool isSwapped =
+        header == DdsHeader::dx9 && (format == TexelFormat::rgba8 || format == TexelFormat::rgba8Srgb);
+    for (const Image& level : map.levels) {
+        std::vector<std::byte> texels = encodeTexels(level, format);
+        if (isSwapped)
+            swapRedAndBlue(texels);
+        out.add(texels);
+    }
     return out.take();
 }
 
