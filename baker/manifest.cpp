@@ -133,13 +133,6 @@ public:
     Options options;
     bool asFloat = false;
 
-    std::vector<fs::path> outputs() const
-    {
-        std::vector<fs::path> files = reports;
-        files.push_back(output);
-        return files;
-    }
-
     bool isUpToDate() const
     {
         bool isFloat = false;
@@ -172,6 +165,61 @@ public:
     }
 };
 
+// What an entry names as its files, the chain first; empty where it names none.
+std::vector<fs::path> outputsOf(const Json& entry, const fs::path& folder)
+{
+    std::vector<fs::path> files;
+    const auto add = [&](const Json& name) {
+        if (name.is_string())
+            files.push_back(folder / name.get<std::string>());
+    };
+    if (!entry.is_object() || !entry.contains("output"))
+        return files;
+    add(entry["output"]);
+    if (const Json reports = entry.value("report", Json::array()); reports.is_array())
+        std::ranges::for_each(reports, add);
+    else
+        add(reports);
+    return files;
+}
+
+// Which entry writes a file.
+class Owners {
+public:
+    // What is wrong where an earlier entry writes one of them, or nothing.
+    std::string claim(const std::vector<fs::path>& files, size_t entry)
+    {
+        std::string wrong;
+        for (const fs::path& file : files)
+            if (const auto [twin, isNew] = owners_.try_emplace(file.lexically_normal(), entry); !isNew)
+                wrong = fmt::format("entry {} writes {} too, like entry {}; give it another name", entry,
+                                    file.string(), twin->second);
+        return wrong;
+    }
+
+private:
+    std::map<fs::path, size_t> owners_;
+};
+
+// What writeAtomically() left of files when it was killed: no one else writes them.
+void removeLeftovers(const std::vector<fs::path>& files)
+{
+    for (const fs::path& file : files) {
+        const std::string begin = fmt::format(".{}.", file.stem().string()), end = file.extension().string();
+        std::error_code code;
+        for (const auto& found :
+             fs::directory_iterator(file.has_parent_path() ? file.parent_path() : ".", code)) {
+            const std::string name = found.path().filename().string();
+            if (!name.starts_with(begin) || !name.ends_with(end) || name.size() <= begin.size() + end.size())
+                continue;
+            const std::string process = name.substr(begin.size(), name.size() - begin.size() - end.size());
+            std::error_code ignored;
+            if (std::ranges::all_of(process, [](char c) { return c >= '0' && c <= '9'; }))
+                fs::remove(found.path(), ignored);
+        }
+    }
+}
+
 Json parse(const fs::path& manifest)
 {
     const std::vector<std::byte> bytes = readFile(manifest);
@@ -185,9 +233,10 @@ Json parse(const fs::path& manifest)
 
 } // namespace
 
-ManifestResult bakeManifest(const fs::path& manifest, const Options& defaults, bool print)
+ManifestResult bakeManifest(const fs::path& manifest, const Options& defaults, bool print, Shard shard)
 {
     const Json json = parse(manifest);
+    const fs::path folder = manifest.parent_path();
     ManifestResult result;
     constexpr size_t kUnits = 1000; // of the progress bar per entry: sizes are known only once maps are read
     Progress progress("bake " + manifest.filename().string(), json.size() * kUnits);
@@ -195,22 +244,22 @@ ManifestResult bakeManifest(const fs::path& manifest, const Options& defaults, b
         if (print)
             progress.print(line);
     };
-    std::map<fs::path, size_t> written; // by which entry
+    Owners owners;
     for (size_t i = 0; i < json.size(); ++i) {
-        std::string name = fmt::format("entry {}", i + 1);
-        if (const Json& one = json[i]; one.is_object() && one.contains("output") && one["output"].is_string())
-            name = (manifest.parent_path() / one["output"].get<std::string>()).string();
+        const std::vector<fs::path> files = outputsOf(json[i], folder);
+        const std::string twin = owners.claim(files, i + 1); // also for other shards
+        if (i % shard.count != shard.index)
+            continue;
+        const std::string name = files.empty() ? fmt::format("entry {}", i + 1) : files.front().string();
         try {
-            const Entry entry(json[i], manifest.parent_path(), defaults);
-            name = entry.output.string();
-            for (const fs::path& file : entry.outputs())
-                if (const auto [twin, isNew] = written.try_emplace(file.lexically_normal(), i + 1); !isNew)
-                    throw Error(fmt::format("entry {} writes {} too, like entry {}; give it another name",
-                                            i + 1, file.string(), twin->second));
+            if (!twin.empty())
+                throw Error(twin);
+            const Entry entry(json[i], folder, defaults);
             if (entry.isUpToDate()) {
                 ++result.upToDate;
                 tell(name + ": up to date");
             } else {
+                removeLeftovers(files);
                 entry.bakeAll(progress, kUnits);
                 ++result.baked;
                 tell(name + ": baked");

@@ -10,6 +10,11 @@ struct ManifestResult {
     std::vector<std::string> failures; // one line each: "output: why"
 };
 
+// Every `count`-th entry from `index` on, so that processes or machines share a list and a folder.
+struct Shard {
+    size_t index = 0, count = 1;
+};
+
 // Bakes every entry of a JSON list, with one progress bar:
 //   [{"output": "a.exr", "height": "h.png", "height-scale": 0.02 | "normal": "n.png", "normal-green": "up",
 //     "power": 200 | "p.png", "power-map": "p.png", "roughness": "r.png",
@@ -20,8 +25,9 @@ struct ManifestResult {
 // The keys are bake's options; an underscore may stand for a dash. File names are relative to the manifest.
 // Entries whose output was baked from the same inputs and options are skipped; a failing entry does not
 // stop the others. `defaults` fills what an entry leaves out. `print`: one line about each on stdout.
-// Throws Error when the manifest itself is unusable.
+// Of two entries that write the same file, the first counts, also where they are in different shards: shards
+// never write the same file. Throws Error when the manifest itself is unusable.
 ManifestResult bakeManifest(const std::filesystem::path& manifest, const Options& defaults,
-                            bool print = false);
+                            bool print = false, Shard shard = {});
 
 } // namespace lumel::baker

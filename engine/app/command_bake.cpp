@@ -49,7 +49,8 @@ Image readIfNamed(const std::filesystem::path& file)
 
 void runManifest(const BakeArguments& arguments)
 {
-    const baker::ManifestResult result = baker::bakeManifest(arguments.manifest, arguments.options, true);
+    const baker::ManifestResult result =
+        baker::bakeManifest(arguments.manifest, arguments.options, true, arguments.shard);
     if (result.failures.empty())
         return;
     std::string names; // a failure is "output: why"
@@ -60,12 +61,27 @@ void runManifest(const BakeArguments& arguments)
                             names));
 }
 
+void exportBaked(const BakeArguments& arguments, const baker::ReflectanceMips& mips, Progress& progress)
+{
+    baker::StagedFiles files(arguments.exportFolder);
+    const std::string remark =
+        baker::exportMips({.name = arguments.output.stem().string(),
+                           .bakedFile = arguments.output.filename().string(),
+                           .mips = mips},
+                          exportOptions(arguments.exported, arguments.options.threads), files);
+    files.publish();
+    if (!remark.empty())
+        progress.print(remark);
+}
+
 } // namespace
 
 void runBake(const BakeArguments& arguments)
 {
     if (!arguments.manifest.empty())
         return runManifest(arguments);
+    if (!arguments.model.empty())
+        return runBakeModel(arguments);
     const auto start = std::chrono::steady_clock::now();
     checkWritable(arguments.output);
     for (const auto& file : arguments.reports)
@@ -93,8 +109,8 @@ void runBake(const BakeArguments& arguments)
                       baker::progressUnits(maps) +
                           (arguments.reports.empty() ? 0 : baker::measureUnits(maps, arguments.options)));
     const auto bakeStart = std::chrono::steady_clock::now();
-    // Only a report needs the levels after they are written.
-    const bool keeps = !arguments.reports.empty();
+    // Only a report and an export need the levels after they are written.
+    const bool keeps = !arguments.reports.empty() || !arguments.exportFolder.empty();
     const baker::ReflectanceMips mips =
         keeps ? baker::bake(maps, arguments.options, &progress)
               : baker::bakeExr(arguments.output, maps, arguments.options, arguments.asFloat, &progress);
@@ -107,6 +123,8 @@ void runBake(const BakeArguments& arguments)
                                baker::levelSize(size.x, reduce), baker::levelSize(size.y, reduce),
                                baker::levelCount(size.x, size.y) - reduce, mips.method, mips.model,
                                secondsSince(start)));
+    if (!arguments.exportFolder.empty())
+        exportBaked(arguments, mips, progress);
     if (arguments.reports.empty())
         return;
     baker::Report report = baker::makeReport(maps, arguments.options, mips, bakeSeconds, &progress);

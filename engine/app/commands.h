@@ -1,6 +1,8 @@
 // The commands behind main(): options as plain data in, exit through Error or return.
 #pragma once
 #include "baker/bake.h"
+#include "baker/manifest.h"
+#include "export/export.h"
 #include "gpu/device.h"
 #include "gpu/present_mode.h"
 #include "playback.h"
@@ -11,7 +13,36 @@
 
 namespace lumel {
 
+// auto follows the format of the files.
+enum class PackingChoice { automatic, gltf, orm, unity, unreal };
+enum class TexelChoice { automatic, bytes, blocks, halves };
+
+// How a baked material is written for other engines.
+struct ExportChoices {
+    baker::ExportFormat format = baker::ExportFormat::ktx2;
+    PackingChoice packing = PackingChoice::automatic;
+    TexelChoice texels = TexelChoice::automatic;
+    bool normalGreenUp = true;
+    bool anisotropic = false;
+    baker::DdsHeader ddsHeader = baker::DdsHeader::dx10;
+    bool zstandard = false;
+    bool ktx2Beside = false; // of glTF
+};
+baker::ExportOptions exportOptions(const ExportChoices& choices, int threads);
+
+struct ExportArguments {
+    std::filesystem::path baked, folder;
+    std::string name; // empty: that of the baked file
+    ExportChoices choices;
+    int threads = 0;
+};
+void runExport(const ExportArguments& arguments);
+
 struct BakeArguments {
+    std::filesystem::path model;        // glTF whose materials are baked, in place of maps
+    bool ktx2Textures = false;          // of a model: all levels beside it
+    std::filesystem::path exportFolder; // of maps: written for other engines, too
+    ExportChoices exported;
     std::filesystem::path height, normal, powerMap, roughness, tangentRotation, output;
     float heightScale = 0.0f;
     bool normalGreenUp = true;                    // green points along the bitangent
@@ -23,9 +54,11 @@ struct BakeArguments {
     bool asFloat = false;
     std::vector<std::filesystem::path> reports; // .json, .html
     std::filesystem::path manifest;             // bakes what it lists, in place of all others
+    baker::Shard shard;                         // of the manifest
 };
 // Throws Error naming what failed when a manifest's entries do.
 void runBake(const BakeArguments& arguments);
+void runBakeModel(const BakeArguments& arguments);
 
 // perScene: automatic for scenes that bring their own lights and would be nearly white or black at
 // exposure 1.

@@ -20,6 +20,8 @@ int run(const std::vector<std::string>& words)
                    stdout);
     if (command == "bake")
         runBake(arguments.bake);
+    if (command == "export")
+        runExport(arguments.exported);
     if (command == "shot")
         runShot(arguments.shot);
     if (command == "view")

@@ -61,6 +61,7 @@ void addHelp(CommandLine& line, HelpArguments& a)
 void addCommands(CommandLine& line, Arguments& arguments)
 {
     addBake(line, arguments.bake);
+    addExport(line, arguments.exported);
     addShot(line, arguments.shot);
     addView(line, arguments.view);
     addCompare(line, arguments.compare);

@@ -8,6 +8,7 @@ namespace lumel {
 // What all commands are given; only those of the command that was named count.
 struct Arguments {
     BakeArguments bake;
+    ExportArguments exported;
     ShotArguments shot;
     ViewArguments view;
     CompareArguments compare;
@@ -19,6 +20,8 @@ struct Arguments {
 void addCommands(CommandLine& line, Arguments& arguments);
 
 void addBake(CommandLine& line, BakeArguments& arguments);
+void addExport(CommandLine& line, ExportArguments& arguments);
+Option addExportFormat(Command& command, ExportChoices& choices); // --to
 void addShot(CommandLine& line, ShotArguments& arguments);
 void addView(CommandLine& line, ViewArguments& arguments);
 void addCompare(CommandLine& line, CompareArguments& arguments);

@@ -8,6 +8,7 @@ namespace {
 constexpr std::array kReconstructionNames{"box", "bilinear"}; // baker::Reconstruction
 constexpr std::array kWrapNames{"repeat", "clamp"};           // baker::Wrap
 constexpr std::array kGreenNames{"down", "up"};
+constexpr std::array kModelTextureNames{"png", "ktx2"};
 
 void addSurface(Command& command, BakeArguments& a)
 {
@@ -56,30 +57,70 @@ void addFit(Command& command, BakeArguments& a)
     addNumber(command, "--threads", 0, 1024, "", "0: one per core", a.options.threads);
 }
 
+// "2/8": the second of eight.
+std::string readShard(const std::string& text, baker::Shard& shard)
+{
+    const size_t slash = text.find('/');
+    const auto index = numberFrom<int>(text.substr(0, slash));
+    const auto count = slash == std::string::npos ? std::nullopt : numberFrom<int>(text.substr(slash + 1));
+    if (!index || !count || *count < 1 || *index < 1 || *index > *count)
+        return "not I/N with I from 1 to N";
+    shard = {size_t(*index - 1), size_t(*count)};
+    return "";
+}
+
 void addOutput(Command& command, BakeArguments& a)
 {
     command.addFlag("--float", "store single precision in place of half", a.asFloat);
-    addText(command, "-o,--output", "FILE", "OpenEXR file to write", a.output);
+    addText(command, "-o,--output", "FILE", "OpenEXR file to write; of a model, the .glb or .gltf", a.output);
+    addChoice(command, "--textures", kModelTextureNames,
+              "of a model: ktx2 writes the maps with all levels beside it", a.ktx2Textures);
+    const Option folder = addText(command, "--export", "FOLDER",
+                                  "write maps for other engines, too (lumel export)", a.exportFolder);
+    addExportFormat(command, a.exported).needs(folder);
     command.addRepeated("--report", "FILE", "write how exact the bake is, .json or .html; may be repeated",
                         [&a](const std::string& file) {
                             a.reports.push_back(file);
                             const bool known = file.ends_with(".json") || file.ends_with(".html");
                             return known ? "" : "end the name in .json or .html";
                         });
-    addText(command, "--manifest", "FILE", "bake the maps that this JSON file lists", a.manifest);
+    const Option manifest =
+        addText(command, "--manifest", "FILE", "bake the maps that this JSON file lists", a.manifest);
+    command
+        .add("--shard", "I/N", "bake every N-th entry of the manifest, from the I-th (1..N) on",
+             [&a](const std::string& text) { return readShard(text, a.shard); })
+        .needs(manifest);
+}
+
+// A model brings its own maps.
+void checkModel(const BakeArguments& a, const Command& command)
+{
+    const std::set<std::string> known{"model",     "--model", "--method", "--precision", "--lobes",
+                                      "--threads", "--float", "--output", "--textures",  "--reconstruction"};
+    for (const Option& option : command.given())
+        if (!known.contains(option.name()))
+            throw UsageError("a model excludes " + option.name());
+    if (a.output.extension() != ".glb" && a.output.extension() != ".gltf")
+        throw UsageError("--output of a model must end in .glb or .gltf");
 }
 
 void check(const BakeArguments& a, const Command& command)
 {
     if (!a.manifest.empty()) {
-        const std::set<std::string> defaults{"--manifest", "--threads", "--method", "--model"};
+        const std::set<std::string> defaults{"--manifest", "--shard", "--threads", "--method", "--model"};
         for (const Option& option : command.given())
             if (!defaults.contains(option.name()))
                 throw UsageError("--manifest excludes " + option.name());
         return;
     }
+    if (!a.model.empty()) {
+        checkModel(a, command);
+        return;
+    }
+    if (command.get("--textures").given())
+        throw UsageError("--textures goes with a model");
     if (a.height.empty() && a.normal.empty())
-        throw UsageError("--height or --normal is required");
+        throw UsageError("a model, --height or --normal is required");
     if (a.output.empty())
         throw UsageError("--output is required");
 }
@@ -88,7 +129,8 @@ void check(const BakeArguments& a, const Command& command)
 
 void addBake(CommandLine& line, BakeArguments& a)
 {
-    Command command = line.add("bake", "Fit reflectance MIP levels to a height or normal map");
+    Command command = line.add("bake", "Fit reflectance MIP levels to a height or normal map, or a model's");
+    addText(command, "model", "FILE", "glTF file whose materials are all baked, in place of maps", a.model);
     addSurface(command, a);
     addReflectance(command, a);
     addFit(command, a);

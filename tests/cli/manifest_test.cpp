@@ -1,6 +1,9 @@
 #include "inputs.h"
 #include "program.h"
 #include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <thread>
 
 namespace lumel::cli {
 namespace {
@@ -123,6 +126,55 @@ TEST_F(Manifest, MistakesAreOneLine)
     EXPECT_EQ(lines(outcome.out), 3u);
     expectOneLine(run({"bake", "--manifest", "none.json"}), 1, "none.json");
     expectOneLine(run({"bake", "--manifest", "maps/list.json", "--power", "3"}), 2, "--power");
+}
+
+// Four processes on one folder, one of them killed and run again.
+TEST_F(Manifest, ShardsShareAFolder)
+{
+    nlohmann::json list = nlohmann::json::array();
+    for (int i = 0; i < 12; ++i) {
+        list.push_back(entry("a.png", std::to_string(i) + ".exr"));
+        list.back()["power"] = 20 + i;
+    }
+    writeHeightMap(folder_ / "maps" / "a.png", 256, 256);
+    writeText(folder_ / "maps" / "list.json", list.dump());
+    const auto shard = [](int i) {
+        return std::vector<std::string>{
+            "bake", "--manifest", "maps/list.json", "--shard", std::to_string(i) + "/4", "--threads", "1"};
+    };
+    std::vector<pid_t> processes;
+    for (int i = 1; i <= 4; ++i)
+        processes.push_back(start(shard(i)));
+    while (!fs::exists(folder_ / "maps" / "1.exr") && kill(processes[1], 0) == 0)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    kill(processes[1], SIGKILL);
+    for (int i = 0; i < 4; ++i)
+        EXPECT_EQ(finish(processes[size_t(i)]).exitCode, i == 1 ? -1 : 0);
+    writeText(folder_ / "maps" / ".5.4194305.exr", "what a killed process leaves");
+    fs::remove(folder_ / "maps" / "5.exr");
+    const Outcome again = run(shard(2));
+    EXPECT_EQ(again.exitCode, 0) << again.err;
+    EXPECT_NE(again.out.find("maps/1.exr: up to date"), std::string::npos) << again.out;
+    EXPECT_EQ(lines(again.out), 3u);
+    const Outcome whole = run({"bake", "--manifest", "maps/list.json"});
+    for (int i = 0; i < 12; ++i)
+        EXPECT_NE(whole.out.find("maps/" + std::to_string(i) + ".exr: up to date"), std::string::npos);
+    for (const auto& file : fs::directory_iterator(folder_ / "maps"))
+        EXPECT_NE(file.path().filename().string()[0], '.') << file.path();
+}
+
+TEST_F(Manifest, ShardsNeverWriteTheSameFile)
+{
+    const auto list =
+        nlohmann::json::array({entry("a.png", "a.exr"), entry("b.png", "b.exr"), entry("b.png", "./a.exr")});
+    writeText(folder_ / "maps" / "list.json", list.dump());
+    EXPECT_EQ(run({"bake", "--manifest", "maps/list.json", "--shard", "1/3"}).exitCode, 0);
+    const Outcome third = run({"bake", "--manifest", "maps/list.json", "--shard", "3/3"});
+    EXPECT_EQ(third.exitCode, 1);
+    EXPECT_NE(third.out.find("like entry 1"), std::string::npos) << third.out;
+    for (const char* wrong : {"0/3", "4/3", "1", "x/2", "1/", "1/2/3"})
+        expectOneLine(run({"bake", "--manifest", "maps/list.json", "--shard", wrong}), 2, "--shard");
+    expectOneLine(run({"bake", "--height", "maps/a.png", "-o", "a.exr", "--shard", "1/2"}), 2, "--shard");
 }
 
 class ReportOption : public Program {};

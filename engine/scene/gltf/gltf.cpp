@@ -78,18 +78,39 @@ Scene readScene(Reader& reader, const std::filesystem::path& file)
     return scene;
 }
 
-} // namespace
+Scene readMaterialsOnly(Reader& reader, const std::filesystem::path& file)
+{
+    parseModel(reader);
+    Scene scene;
+    scene.file = file;
+    readImages(reader, scene);
+    readMaterials(reader, scene);
+    return scene;
+}
 
-Scene loadGltf(const std::filesystem::path& file)
+template<class Read>
+Scene readDocumentAnd(const std::filesystem::path& file, const Read& read)
 {
     Reader reader;
     reader.document.file = file.string();
     try {
         reader.document = readDocument(file);
-        return readScene(reader, file);
+        return read(reader, file);
     } catch (const std::bad_alloc&) { // the limits above allow more than some machines have
         reader.fail("needs more memory than there is", "split the model");
     }
+}
+
+} // namespace
+
+Scene loadGltf(const std::filesystem::path& file)
+{
+    return readDocumentAnd(file, readScene);
+}
+
+Scene loadMaterials(const std::filesystem::path& file)
+{
+    return readDocumentAnd(file, readMaterialsOnly);
 }
 
 } // namespace lumel::scene

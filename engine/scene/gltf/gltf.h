@@ -8,4 +8,7 @@ namespace lumel::scene {
 // for anything malformed. Logs one line per object that cannot be lit in texture space.
 Scene loadGltf(const std::filesystem::path& file);
 
+// Its images and all of its materials, in the file's order, whether meshes use them or not; nothing else.
+Scene loadMaterials(const std::filesystem::path& file);
+
 } // namespace lumel::scene

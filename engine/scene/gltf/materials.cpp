@@ -1,5 +1,6 @@
 // glTF materials and images.
 #include "reader.h"
+#include "uri.h"
 
 namespace lumel::scene {
 namespace {
@@ -308,6 +309,7 @@ private:
             reader_.fail(fmt::format("material '{}': extras.lumel is not an object", out_.name));
         if (ours.Has("power"))
             out_.power = std::max(number(ours.Get("power"), "extras.lumel.power"), 0.0f);
+        readBaked(ours);
         if (!ours.Has("heightTexture"))
             return;
         const tinygltf::Value& texture = ours.Get("heightTexture");
@@ -320,6 +322,22 @@ private:
                 fmt::format("material '{}': extras.lumel has a heightTexture without heightScale", out_.name),
                 "add it");
         out_.heightScale = number(ours.Get("heightScale"), "extras.lumel.heightScale");
+    }
+
+    // What `lumel bake` wrote beside the model. Without it, the maps are baked.
+    void readBaked(const tinygltf::Value& ours)
+    {
+        if (!ours.Has("baked"))
+            return;
+        if (!ours.Get("baked").IsString())
+            reader_.fail(fmt::format("material '{}': extras.lumel.baked is not a file's name", out_.name));
+        const std::filesystem::path model(reader_.document.file);
+        out_.bakedFile =
+            resolveUri(reader_.document.file, model.parent_path(), ours.Get("baked").Get<std::string>());
+        if (std::filesystem::exists(out_.bakedFile))
+            return;
+        reader_.document.ignored.insert("baked materials that are not beside the model");
+        out_.bakedFile.clear();
     }
 
     float number(const tinygltf::Value& value, const char* what) const

@@ -1,0 +1,151 @@
+// How near GGX maps come to the surface: the error of pictures of a square, at distances at which a pixel
+// covers 1, 2, 4, 8 and 16 texels a side, beside means over the texels under each pixel (64 at most). In dB
+// of display values, of
+//   average   an engine's own MIPs: averaged normals and roughness
+//   vMF       averaged normals; alpha^2 + 2 / kappa, kappa from the length of the mean normal (Filament's
+//             roughness-prefilter)
+//   export    what lumel export writes
+//   build/export_quality baked.exr...
+#include "baker/footprint.h"
+#include "core/decoder_process.h"
+#include "core/error.h"
+#include "export/ggx.h"
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+
+namespace lumel {
+namespace {
+
+using baker::GgxLevel;
+using baker::GgxShape;
+using baker::GgxTexel;
+
+constexpr float kPi = 3.14159265f;
+
+// Walter et al. 2007 with Smith's height-correlated masking (Heitz 2014) and Schlick's Fresnel; Lambert.
+glm::vec3 shade(const GgxTexel& t, glm::vec3 l, glm::vec3 v)
+{
+    const glm::vec3 n = t.shape.normal, h = glm::normalize(l + v);
+    const float nl = glm::dot(n, l), nv = std::max(glm::dot(n, v), 1e-3f), nh = glm::dot(n, h);
+    if (nl <= 0.0f)
+        return glm::vec3(0.0f);
+    const float a2 = t.shape.alphaT * t.shape.alphaB, d = 1.0f + (a2 - 1.0f) * nh * nh;
+    const float mask =
+        nl * std::sqrt(a2 + (1.0f - a2) * nv * nv) + nv * std::sqrt(a2 + (1.0f - a2) * nl * nl);
+    const float grazing = std::pow(1.0f - std::max(glm::dot(v, h), 0.0f), 5.0f);
+    const glm::vec3 fresnel = t.f0 + (1.0f - t.f0) * grazing;
+    return (fresnel * (a2 / (kPi * d * d) * 0.5f / mask) + t.diffuse / kPi) * nl;
+}
+
+// Of a point of the square [0, 1]^2: three lights from different sides.
+glm::vec3 radiance(const GgxTexel& texel, glm::vec2 at)
+{
+    const glm::vec3 point(at, 0.0f), v = glm::normalize(glm::vec3(0.5f, -0.4f, 0.8f) - point);
+    glm::vec3 sum(0.0f);
+    for (const glm::vec3 light :
+         {glm::vec3(0.5f, 1.4f, 0.8f), glm::vec3(-0.3f, 0.2f, 0.6f), glm::vec3(1.2f, 0.9f, 1.0f)})
+        sum += shade(texel, glm::normalize(light - point), v);
+    return sum;
+}
+
+glm::vec3 display(glm::vec3 colour)
+{
+    for (int c = 0; c < 3; ++c)
+        colour[c] = linearToSrgb(1.0f - std::exp(-colour[c]));
+    return colour;
+}
+
+// The texels of level 0 under a pixel, 64 at most.
+std::vector<GgxTexel> samples(const GgxLevel& base, const GgxLevel& level, int x, int y)
+{
+    const baker::Footprint columns(x, level.width, base.width), rows(y, level.height, base.height);
+    const auto step = [](const baker::Footprint& f) { return std::max(1, (f.last - f.first) / 8); };
+    std::vector<GgxTexel> texels;
+    for (int j = rows.first + step(rows) / 2; j < rows.last; j += step(rows))
+        for (int i = columns.first + step(columns) / 2; i < columns.last; i += step(columns))
+            texels.push_back(base.at(i, j));
+    return texels;
+}
+
+// What maps that are averaged hold; with `spreads`, the spread of normals is in alpha.
+GgxTexel averaged(const std::vector<GgxTexel>& texels, bool spreads)
+{
+    GgxTexel mean;
+    glm::vec3 normal(0.0f);
+    float roughness = 0.0f, squared = 0.0f;
+    const float share = 1.0f / float(texels.size());
+    for (const GgxTexel& t : texels) {
+        const float product = t.shape.alphaT * t.shape.alphaB;
+        normal += share * t.shape.normal;
+        roughness += share * std::sqrt(std::sqrt(product));
+        squared += share * product;
+        mean.f0 += share * t.f0;
+        mean.diffuse += share * t.diffuse;
+    }
+    const float r = std::min(glm::length(normal), 1.0f - 1e-7f);
+    const float kappa = (3.0f * r - r * r * r) / (1.0f - r * r);
+    mean.shape.normal = normal / r;
+    mean.shape.alphaT = mean.shape.alphaB =
+        spreads ? std::min(std::sqrt(squared + 2.0f / kappa), 1.0f) : roughness * roughness;
+    return mean;
+}
+
+struct Errors {
+    double average = 0.0, vmf = 0.0, own = 0.0;
+};
+
+Errors errorsOf(const GgxLevel& base, const GgxLevel& level)
+{
+    Errors sums;
+    for (int y = 0; y < level.height; ++y)
+        for (int x = 0; x < level.width; ++x) {
+            const glm::vec2 at((float(x) + 0.5f) / float(level.width),
+                               (float(y) + 0.5f) / float(level.height));
+            const std::vector<GgxTexel> texels = samples(base, level, x, y);
+            glm::vec3 truth(0.0f);
+            for (const GgxTexel& t : texels)
+                truth += radiance(t, at) / float(texels.size());
+            const auto error = [&](const GgxTexel& t) {
+                const glm::vec3 d = display(radiance(t, at)) - display(truth);
+                return double(glm::dot(d, d)) / 3.0 / (double(level.width) * level.height);
+            };
+            sums.average += error(averaged(texels, false));
+            sums.vmf += error(averaged(texels, true));
+            sums.own += error(level.at(x, y));
+        }
+    return sums;
+}
+
+std::string decibels(double error)
+{
+    return error < 1e-9 ? "same" : fmt::format("{:.1f}", -10.0 * std::log10(error));
+}
+
+void printRow(const std::filesystem::path& file)
+{
+    const std::vector<GgxLevel> levels = baker::fitGgx(baker::readExr(file), {});
+    std::string row = "| " + file.stem().string() + " |";
+    for (size_t l = 1; l < std::min<size_t>(levels.size(), 5); ++l) {
+        const Errors e = errorsOf(levels[0], levels[l]);
+        row += fmt::format(" {} / {} / {} |", decibels(e.average), decibels(e.vmf), decibels(e.own));
+    }
+    fmt::print("{}\n", row);
+}
+
+} // namespace
+} // namespace lumel
+
+int main(int argc, char** argv)
+{
+    try {
+        const lumel::DecoderProcess decoder; // before any thread
+        fmt::print("| average / vMF / export, dB | 2 | 4 | 8 | 16 |\n| --- | --- | --- | --- | --- |\n");
+        for (int i = 1; i < argc; ++i)
+            lumel::printRow(argv[i]);
+        return 0;
+    } catch (const std::exception& e) {
+        fmt::print(stderr, "export_quality: {}\n", e.what());
+        return 1;
+    }
+}
