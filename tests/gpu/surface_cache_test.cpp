@@ -51,7 +51,7 @@ void expectSameWithout(const TestScene& s, Settings settings,
     // Little room for surfaces. Textures take less where there is less room for them.
     Orbit without = with;
     for (int i = 0; i < 3 && without.surfaceBytes == with.surfaceBytes; ++i) {
-        settings.poolBytes = without.textureBytes + 32 * SurfaceCache::kTileBytes;
+        settings.poolBytes = without.textureBytes + 32 * shared::kSurfaceWords * SurfaceCache::kPageBytes;
         without = orbitOf(s, settings, change);
     }
     EXPECT_GT(with.surfaceBytes, 0u);
