@@ -7,7 +7,7 @@
 layout(local_size_x = 1) in;
 layout(push_constant, scalar) uniform Constants { PlanPush push; };
 
-// The numbers that the frame before has given. When memory is new, those too that it only asked for: no tile then keeps
+// The pages that the frame before has given. When memory is new, those too that it only asked for: no tile then keeps
 // a number that is given again.
 void countSurfaces()
 {

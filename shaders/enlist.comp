@@ -71,17 +71,17 @@ const uint kRestFrames = 4u;
 uint surfaceNumber(LitObject object, TileState state)
 {
     uint capacity = push.surfaces.capacity, latest = push.plan.at.surfacesLatest;
-    bool holds = state.surface > push.plan.at.surfacesOldest && object.changed <= state.checked &&
-                 latest - state.surface < capacity - surfacesAFrame(capacity);
+    uint age = latest - state.surface; // numbers wrap around
+    bool holds = state.surface != 0u && age < latest - push.plan.at.surfacesOldest &&
+                 age < capacity - surfacesAFrame(capacity) && object.changed <= state.checked;
     if (holds)
         return state.surface;
-    if ((objectFlags(object) & kObjectSecondLobe) != 0u)
-        return 0u; // records hold one lobe
-    bool moves = (objectFlags(object) & kObjectDeformed) != 0u || object.changed + kRestFrames > view.frame;
+    uint flags = objectFlags(object);
+    bool moves = (flags & kObjectDeformed) != 0u || object.changed + kRestFrames > view.frame;
     if (moves || capacity == 0u)
         return 0u;
-    uint taken = atomicAdd(push.plan.at.surfacesTaken, 1u);
-    return taken < surfacesAFrame(capacity) ? latest + taken + 1u : 0u;
+    uint pages = surfacePages(flags), taken = atomicAdd(push.plan.at.surfacesTaken, pages);
+    return taken + pages <= surfacesAFrame(capacity) ? latest + taken + 1u : 0u;
 }
 
 // Enters the quads in the list of a job; false when that is full.

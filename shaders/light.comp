@@ -101,11 +101,8 @@ LumelSurface surfaceOfLumel(uvec2 lumel)
     result.record = noSurface();
     result.visible = uvec2(0u);
     uint triangle = texelOfTile(tileSurface.texels, tileTexels, lumel) & kTexelTriangleMask;
-    if (triangle != 0u) {
-        SurfacePoint point = pointOf(tileSurface, lumel, triangle);
-        result.record = packSurface(point);
-        result.second = point.second;
-    }
+    if (triangle != 0u)
+        result.record = packSurface(pointOf(tileSurface, lumel, triangle));
     result.changed = true;
     return result;
 }

@@ -21,6 +21,8 @@ LumelSurface surfaceOfLumel(uvec2 lumel)
     LumelSurface result;
     for (uint i = 0u; i < kSurfaceWords; ++i)
         result.record.words[i] = texelFetch(surfaces, place + int(i * kTileLumels));
+    if (kTwoLobes)
+        result.record.second = texelFetch(surfaces, place + int(kSurfaceWords * kTileLumels));
     result.visible = result.record.words[kSurfaceWords - 1u].zw;
     result.changed = false;
     return result;

@@ -85,6 +85,7 @@ private:
     uint32_t sampleSpacing(const Frame& frame) const;
     void findFeedback(Frame& frame, uint32_t spacing);
     bool chooseDetail(Frame& frame); // true: the feedback pass is to count again
+    size_t surfacePages(const Frame& frame) const;
     void assignTextures(Frame& frame, uint32_t spacing);
     void noteOffsets(const Frame& frame, uint32_t spacing);
     void noteDynamic(const Frame& frame);

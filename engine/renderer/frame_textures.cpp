@@ -63,6 +63,19 @@ bool Renderer::chooseDetail(Frame& frame)
     return first && *detail_ != finest;
 }
 
+// Of the surface cache, for the tiles that the latest known view needs: as many of them have two lobes as pixels do.
+size_t Renderer::surfacePages(const Frame& frame) const
+{
+    double pages = 0.0, samples = 0.0;
+    for (size_t i = 0; i < frame.feedback.size(); ++i) {
+        const GpuObject& object = scene_.objects()[i];
+        const double seen = object.texelMap ? frame.feedback[i].samples : 0.0;
+        samples += seen;
+        pages += seen * shared::surfacePages(object.data.flags);
+    }
+    return size_t(double(tilesMarked_) * (samples > 0.0 ? pages / samples : shared::kSurfaceWords));
+}
+
 void Renderer::assignTextures(Frame& frame, uint32_t spacing)
 {
     for (tsl::ObjectFeedback& object : frame.feedback) {
@@ -73,9 +86,10 @@ void Renderer::assignTextures(Frame& frame, uint32_t spacing)
         frame.feedback[i].dynamic = dynamicObjects_.is(i);
     // Under the memory cap textures in view come first, then cached surfaces, then textures out of view.
     tsl::TexturePool& textures = pool_.bookkeeping();
-    textures.leaveFree(std::min(SurfaceCache::roomFor(tilesMarked_), textures.capBytes() / 2));
+    const size_t pages = surfacePages(frame);
+    textures.leaveFree(std::min(SurfaceCache::roomFor(pages), textures.capBytes() / 2));
     residency_.assign(textures, frame.feedback, frame.index, frame.late);
-    plan_.surfaces().reserve(ring_, tilesMarked_,
+    plan_.surfaces().reserve(ring_, pages,
                              textures.capBytes() - std::min(textures.usedBytes(), textures.capBytes()));
     pool_.update(ring_);
     plan_.prepare(frame, pool_);

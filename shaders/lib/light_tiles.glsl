@@ -17,7 +17,6 @@ const bool kKnownShadows = (kFeatures & kFeatureKnownShadows) != 0u;
 // A lumel's surface, and what is known of the lights that reach it: 8 bits for each shadow map.
 struct LumelSurface {
     SurfaceRecord record; // noSurface() where there is none
-    SecondSurfaceLobe second; // no part of the record
     uvec2 visible;
     bool changed; // since it was written to the surface cache
 };
@@ -26,7 +25,7 @@ LumelSurface surfaceOfLumel(uvec2 lumel);
 
 SurfaceRecord noSurface()
 {
-    return SurfaceRecord(uvec4[](uvec4(0u), uvec4(0u), uvec4(0u), uvec4(0u)));
+    return SurfaceRecord(uvec4[](uvec4(0u), uvec4(0u), uvec4(0u), uvec4(0u)), uvec4(0u));
 }
 
 bool isSurface(SurfaceRecord record)
@@ -84,6 +83,8 @@ void keepSurface(uint number, uvec2 lumel, LumelSurface surface)
     if (surface.changed)
         for (uint i = 0u; i < last; ++i)
             push.surfaces.at[surfaceWord(number, push.surfaceCapacity, i, inTile)] = surface.record.words[i];
+    if (kTwoLobes && surface.changed)
+        push.surfaces.at[surfaceWord(number, push.surfaceCapacity, kSurfaceWords, inTile)] = surface.record.second;
     push.surfaces.at[surfaceWord(number, push.surfaceCapacity, last, inTile)] =
         uvec4(surface.record.words[last].xy, visibility);
 }
@@ -97,10 +98,7 @@ float lightLumel(JobTile job, uint flags, uint quad, uvec2 lumel, ivec3 place)
     uint unknown = isKnown ? job.shadows >> kMaxShadows : shadowsListed;
     float change = 0.0;
     if (isSurface(surface.record)) {
-        SurfacePoint here = unpackSurface(surface.record);
-        if (kTwoLobes)
-            here.second = surface.second;
-        ShadingPoint point = shadingPoint(flags, here);
+        ShadingPoint point = shadingPoint(flags, unpackSurface(surface.record));
         if (!kKnownShadows)
             findVisibility(point, unknown);
         vec3 radiance = storable(point.radiance + reflectedFromListed(point));

@@ -119,10 +119,8 @@ Lobe rotated(mat3 rotation, Lobe lobe)
 SecondSurfaceLobe secondLobe(MaterialTexel material, mat3 worldFromTangent)
 {
     LobeTexel second = material.second;
-    float first = luminanceOf(material.specular), other = luminanceOf(second.specular);
-    vec2 mean = mix(material.normal, second.normal, other / max(first + other, 1e-6));
     return SecondSurfaceLobe(rotated(worldFromTangent, makeLobe(lobeNormal(second.normal), second.covariance)),
-                             second.specular, worldFromTangent * lobeNormal(mean));
+                             second.specular);
 }
 
 // position, normal, tangent (w = handedness) in world space, not necessarily unit.

@@ -5,18 +5,18 @@
 #include "lib/environment.glsl"
 #include "lib/interface.glsl"
 #include "lib/shadow.glsl"
+#include "shared/meter.h"
 #include "shared/shading.h"
 
 // Of what has two lobes; of no meaning elsewhere.
 struct SecondSurfaceLobe {
     Lobe lobe;
     vec3 specular;
-    vec3 diffuseNormal; // that of Kd
 };
 
 SecondSurfaceLobe noSecondLobe(Lobe first)
 {
-    return SecondSurfaceLobe(first, vec3(0.0), first.normal);
+    return SecondSurfaceLobe(first, vec3(0.0));
 }
 
 // A point of a surface, whoever sees it.
@@ -42,12 +42,23 @@ Lobe seenFrom(float side, Lobe lobe)
     return Lobe(side * lobe.normal, side * lobe.tangentU, side * lobe.tangentV, lobe.inverseCovariance, lobe.scale);
 }
 
+// That of Kd, of two lobes: their mean by strength, taken as texels have it, on the disc around the macro normal.
+vec3 meanNormal(SurfaceTexel texel, SecondSurfaceLobe second)
+{
+    float first = luminanceOf(texel.specular), other = luminanceOf(second.specular);
+    vec3 mean = mix(texel.lobe.normal, second.lobe.normal, other / max(first + other, 1e-6));
+    vec3 onDisc = mean - texel.macroNormal * dot(mean, texel.macroNormal);
+    return onDisc + texel.macroNormal * sqrt(max(1.0 - dot(onDisc, onDisc), 0.0));
+}
+
+// texel: as seen from that side.
 SecondLobe secondTowards(SurfaceTexel texel, SurfaceReflectance surface, SecondSurfaceLobe second, float side)
 {
+    second.lobe = seenFrom(side, second.lobe);
     vec3 both = max(texel.specular + second.specular, vec3(1e-6));
     float residual = energyResidual(surface.viewDotMacroNormal, texel.baseVariance);
-    return SecondLobe(seenFrom(side, second.lobe), second.specular * residual / max(texel.f0, vec3(1e-6)),
-                      second.specular / both, side * second.diffuseNormal);
+    return SecondLobe(second.lobe, second.specular * residual / max(texel.f0, vec3(1e-6)), second.specular / both,
+                      meanNormal(texel, second));
 }
 
 // What surrounds the surface, of two lobes or one. Each reflects its share: that of one alone does not depend on Ks.

@@ -99,6 +99,12 @@ struct SecondLobe {
     vec3 diffuseNormal; // that of Kd: their mean
 };
 
+// V; lDotH: at least kMinLightDotHalf.
+LUMEL_FN float visibilityOf(SurfaceReflectance surface, float ngDotL, float lDotH)
+{
+    return mix(lDotH * lDotH, 0.5f * (ngDotL + surface.viewDotMacroNormal), surface.smith);
+}
+
 // Radiance towards v from a light of the given irradiance (on a plane facing it) in direction l.
 LUMEL_FN vec3 reflectLight(SurfaceReflectance surface, vec3 l, vec3 v, vec3 irradiance)
 {
@@ -107,8 +113,8 @@ LUMEL_FN vec3 reflectLight(SurfaceReflectance surface, vec3 l, vec3 v, vec3 irra
     if (ngDotL > 0.0f) {
         vec3 h = normalize(l + v);
         float lDotH = max(dot(l, h), kMinLightDotHalf);
-        float visibility = mix(lDotH * lDotH, 0.5f * (ngDotL + surface.viewDotMacroNormal), surface.smith);
-        float specular = lobeShape(surface.lobe, h) * ngDotL / (8.0f * kPi * visibility);
+        float specular =
+            lobeShape(surface.lobe, h) * ngDotL / (8.0f * kPi * visibilityOf(surface, ngDotL, lDotH));
         radiance += fresnelSchlick(surface.f0, lDotH) * surface.strength * specular;
     }
     return radiance * irradiance;
@@ -118,11 +124,15 @@ LUMEL_FN vec3 reflectLight(SurfaceReflectance surface, vec3 l, vec3 v, vec3 irra
 LUMEL_FN vec3 reflectLight(SurfaceReflectance surface, SecondLobe second, vec3 l, vec3 v, vec3 irradiance)
 {
     vec3 radiance = surface.diffuse * (max(dot(second.diffuseNormal, l), 0.0f) / kPi);
-    surface.diffuse = vec3(0.0f, 0.0f, 0.0f);
-    SurfaceReflectance other = surface;
-    other.lobe = second.lobe;
-    other.strength = second.strength;
-    return radiance * irradiance + reflectLight(surface, l, v, irradiance) + reflectLight(other, l, v, irradiance);
+    float ngDotL = dot(surface.macroNormal, l);
+    if (ngDotL > 0.0f) {
+        vec3 h = normalize(l + v);
+        float lDotH = max(dot(l, h), kMinLightDotHalf);
+        vec3 lobes = surface.strength * lobeShape(surface.lobe, h) + second.strength * lobeShape(second.lobe, h);
+        float factor = ngDotL / (8.0f * kPi * visibilityOf(surface, ngDotL, lDotH));
+        radiance += fresnelSchlick(surface.f0, lDotH) * lobes * factor;
+    }
+    return radiance * irradiance;
 }
 
 // A hemisphere of constant sky and ground radiance. Its irradiance over pi is linear in N.up, so it averages

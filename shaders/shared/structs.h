@@ -298,11 +298,11 @@ struct Plan {
     float share;    // of the quads of exactly that priority
     uint tilesLit;
     uint quadsMarked, quadsLit, quadsDerived, quadsPending; // pending: to be lit in later frames
-    uint surfacesTaken; // of the surface cache's numbers
+    uint surfacesTaken; // of the surface cache's pages
     uint dropped; // entries beyond the capacity of a list; 0, since lists hold all existing tiles
     // These are kept from frame to frame, so that the CPU need not know them.
     uint surfacesBefore; // surfacesTaken of the frame before
-    uint surfacesLatest; // the surface cache's last number given by then
+    uint surfacesLatest; // the surface cache's last page given by then
     uint surfacesOldest; // the last one given before its memory was allocated
 };
 
@@ -407,14 +407,19 @@ struct ShadowPush {
     uint object;
 };
 
-// The surface cache. It is a ring: the tile of number n > Plan::surfacesOldest has slot n % capacity, until `capacity`
-// more have got theirs.
+// The surface cache. It is a ring of pages: one word of each lumel of a tile. The tile of number n > Plan::surfacesOldest
+// has as many pages from n % capacity on as its lumels have words, the last ones behind the ring's end if need be, until
+// `capacity` more have been given.
 struct SurfaceCacheState {
-    uint capacity; // tiles
+    uint capacity; // pages
     uint emptied;  // 1: its memory is new
 };
-LUMEL_CONST uint kSurfaceWords = 4u; // of 16 bytes, a lumel
-// A frame gives so many slots of the ring to other tiles at most: what it reads is not among them.
+LUMEL_CONST uint kSurfaceWords = 4u; // of 16 bytes, a lumel of one lobe; the second takes one more
+LUMEL_FN uint surfacePages(uint flags) // kObject...
+{
+    return (flags & kObjectSecondLobe) != 0u ? kSurfaceWords + 1u : kSurfaceWords;
+}
+// A frame gives so many pages of the ring to other tiles at most: what it reads is not among them.
 LUMEL_FN uint surfacesAFrame(uint capacity)
 {
     return capacity / 8u;
@@ -443,7 +448,7 @@ struct LightPush {
     LUMEL_ADDRESS(JobTiles) tiles; // of all jobs
     LUMEL_ADDRESS(Surfaces) surfaces;
     uint job;
-    uint surfaceCapacity; // tiles
+    uint surfaceCapacity; // pages
 };
 
 // Opaque objects write it into alpha where edges are filtered: from 2, whole, exact in half floats. A pixel that

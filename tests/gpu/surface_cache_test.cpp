@@ -48,22 +48,27 @@ void expectSameWithout(const TestScene& s, Settings settings,
     settings.tolerance = 1e-4f;
     settings.poolBytes = size_t(64) << 20;
     const Orbit with = orbitOf(s, settings, change);
-    // Little room for surfaces. Textures take less where there is less room for them.
-    Orbit without = with;
-    for (int i = 0; i < 3 && without.surfaceBytes == with.surfaceBytes; ++i) {
-        settings.poolBytes = without.textureBytes + 32 * SurfaceCache::kTileBytes;
-        without = orbitOf(s, settings, change);
-    }
     EXPECT_GT(with.surfaceBytes, 0u);
-    EXPECT_LT(without.surfaceBytes, with.surfaceBytes);
-    for (size_t i = 0; i < with.pictures.size(); ++i)
-        EXPECT_EQ(largestDifference(with.pictures[i], without.pictures[i]), 0.0f) << "frame " << i;
+    // Too little room for surfaces, and some, whose ring goes round.
+    for (const size_t tiles : {32, 160}) {
+        Orbit less = with;
+        // Textures take less where there is less room for them.
+        for (int i = 0; i < 3 && less.surfaceBytes == with.surfaceBytes; ++i) {
+            settings.poolBytes = less.textureBytes + tiles * shared::kSurfaceWords * SurfaceCache::kPageBytes;
+            less = orbitOf(s, settings, change);
+        }
+        EXPECT_LT(less.surfaceBytes, with.surfaceBytes);
+        for (size_t i = 0; i < with.pictures.size(); ++i)
+            EXPECT_EQ(largestDifference(with.pictures[i], less.pictures[i]), 0.0f)
+                << tiles << " tiles, frame " << i;
+    }
 }
 
-TestScene shadowedScene()
+// lobes: of the sphere; the plane has one.
+TestScene shadowedScene(baker::LobeCount lobes = baker::LobeCount::one)
 {
     TestScene s;
-    s.add(sphereMesh(), bumpyMaps(64, 0.3f, 50.0f));
+    s.add(sphereMesh(), bumpyMaps(64, 0.3f, 50.0f), glm::mat4(1.0f), {.lobes = lobes});
     s.add(planeMesh(4), bumpyMaps(64, 0.3f, 200.0f),
           glm::scale(glm::translate(glm::mat4(1.0f), {0.0f, 0.0f, -1.2f}), glm::vec3(2.0f)));
     s.scene.lights = {sun({-0.3f, -0.4f, -1.0f}), sun({0.6f, -0.2f, -1.0f}, 1.5f)};
@@ -73,6 +78,28 @@ TestScene shadowedScene()
 TEST_F(SurfaceCacheTest, AnOrbitShowsTheSame)
 {
     expectSameWithout(shadowedScene(), settingsFor(Shading::tsl), [](Renderer&, int) {});
+}
+
+TEST_F(SurfaceCacheTest, AnOrbitShowsTheSameOfTwoLobesBesideOne)
+{
+    const TestScene s = shadowedScene(baker::LobeCount::two);
+    ASSERT_TRUE(s.materials[0].reflectance.hasSecond());
+    ASSERT_FALSE(s.materials[1].reflectance.hasSecond());
+    expectSameWithout(s, settingsFor(Shading::tsl), [](Renderer&, int) {});
+}
+
+TEST_F(SurfaceCacheTest, OnlySecondLobesTakeMore)
+{
+    TestScene s;
+    s.add(sphereMesh(), bumpyMaps(64, 0.3f, 50.0f));
+    TestScene two = s;
+    two.materials[0].reflectance = baker::bake(bumpyMaps(64, 0.3f, 50.0f), {.lobes = baker::LobeCount::two});
+    const auto still = [](Renderer&, int) {};
+    const size_t one = orbitOf(s, settingsFor(Shading::tsl), still).surfaceBytes;
+    const size_t more = orbitOf(two, settingsFor(Shading::tsl), still).surfaceBytes;
+    constexpr size_t kPage = SurfaceCache::kPageBytes, kBehind = shared::kSurfaceWords * kPage;
+    EXPECT_EQ((one - kBehind) % (shared::kSurfaceWords * kPage), 0u);
+    EXPECT_EQ((more - kBehind) * shared::kSurfaceWords, (one - kBehind) * (shared::kSurfaceWords + 1));
 }
 
 TEST_F(SurfaceCacheTest, LightsThatMoveShowTheSame)

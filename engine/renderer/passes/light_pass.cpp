@@ -35,11 +35,14 @@ const gpu::Pipeline& LightPass::cachedPipeline(const Frame& frame, const LitPool
 
 void LightPass::prepare(const Frame& frame, const LitPool& pool, const PlanPass& plan, uint32_t lights)
 {
-    for (const SurfaceKind& kind : frame.scene.surfaceKinds())
-        if (kind.lightable)
-            lightPipeline(frame, pool, lights | kind.features);
-    for (const uint32_t shadows : {shared::kFeatureKnownShadows, 0u})
-        cachedPipeline(frame, pool, plan.surfaces(), lights | shadows);
+    for (const SurfaceKind& kind : frame.scene.surfaceKinds()) {
+        if (!kind.lightable)
+            continue;
+        lightPipeline(frame, pool, lights | kind.features);
+        for (const uint32_t shadows : {shared::kFeatureKnownShadows, 0u})
+            cachedPipeline(frame, pool, plan.surfaces(),
+                           lights | shadows | (kind.features & shared::kFeatureSecondLobe));
+    }
 }
 
 // kFeature... beside the lights'.
@@ -47,6 +50,7 @@ static uint32_t featuresOf(const PlanPass::LightJob& job)
 {
     using Surface = PlanPass::Surface;
     return (job.material ? materialFeatures(*job.material) : 0u) |
+           (job.twoLobes ? shared::kFeatureSecondLobe : 0u) |
            (job.surface == Surface::coloured ? shared::kFeatureColoured : 0u) |
            (job.surface == Surface::cachedAndShadows ? shared::kFeatureKnownShadows : 0u);
 }

@@ -48,12 +48,12 @@ PlanPass::PlanPass(const gpu::Device& device, const SceneState& scene, const Fee
             gpu::Buffer(device, sizeof(shared::Plan), gpu::Buffer::MemoryUsage::readback, "plan readback");
 }
 
-uint32_t PlanPass::lightJobOf(Surface surface, const GpuMaterial* material, int block)
+uint32_t PlanPass::lightJobOf(const LightJob& job)
 {
-    const auto [entry, isNew] =
-        lightJobIndex_.try_emplace({surface, material, block}, uint32_t(lightJobs_.size()));
+    const auto [entry, isNew] = lightJobIndex_.try_emplace({job.surface, job.material, job.twoLobes, job.block},
+                                                           uint32_t(lightJobs_.size()));
     if (isNew)
-        lightJobs_.push_back({surface, material, block});
+        lightJobs_.push_back(job);
     return entry->second;
 }
 
@@ -80,10 +80,12 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
             continue;
         const tsl::TextureLayout& layout = pool.block(residency[i].texture).layout;
         const int block = residency[i].texture.block;
-        jobs[i].light =
-            lightJobOf(objects[i].coloured ? Surface::coloured : Surface::found, objects[i].material, block);
-        jobs[i].cached = lightJobOf(Surface::cachedAndShadows, nullptr, block);
-        const uint32_t shadowsUnknown = lightJobOf(Surface::cached, nullptr, block); // the next
+        const GpuObject& object = objects[i];
+        const bool two = (object.data.flags & shared::kObjectSecondLobe) != 0;
+        jobs[i].light = lightJobOf(
+            {object.coloured ? Surface::coloured : Surface::found, object.material, two, block});
+        jobs[i].cached = lightJobOf({Surface::cachedAndShadows, nullptr, two, block});
+        const uint32_t shadowsUnknown = lightJobOf({Surface::cached, nullptr, two, block}); // the next
         const uint32_t tail = shared::derivedTail(layout.mips);
         jobs[i].lower = lowerJobOf(block, tail);
         lightJobs_[jobs[i].light].capacity += layout.tiles;

@@ -11,10 +11,11 @@ public:
     // One indirect dispatch over a list of tiles.
     enum class Surface { found, coloured, cached, cachedAndShadows };
     // Tiles in one block: of one material, with or without vertex colours; or those whose surface is cached,
-    // and their shadows or not.
+    // of one lobe or two, and their shadows or not.
     struct LightJob {
         Surface surface;
         const GpuMaterial* material; // null: of any
+        bool twoLobes;
         int block;
         uint32_t first = 0, capacity = 0; // in the tile list
     };
@@ -51,7 +52,7 @@ private:
     };
     static void writeObjects(Frame& frame, const LitPool& pool, const std::vector<ObjectJobs>& jobs);
     void recordReset(vk::CommandBuffer commands);
-    uint32_t lightJobOf(Surface surface, const GpuMaterial* material, int block);
+    uint32_t lightJobOf(const LightJob& job);
     uint32_t lowerJobOf(int block, uint32_t tail);
 
     gpu::Pipeline mark_, classify_, classifyWaiting_, budget_, select_, bound_, enlist_;
@@ -61,7 +62,7 @@ private:
     std::array<gpu::Buffer, gpu::FrameRing::kMostFrames> readbacks_, uploads_;
     std::vector<LightJob> lightJobs_;
     std::vector<LowerJobs> lowerJobs_;
-    std::map<std::tuple<Surface, const GpuMaterial*, int>, uint32_t> lightJobIndex_;
+    std::map<std::tuple<Surface, const GpuMaterial*, bool, int>, uint32_t> lightJobIndex_;
     std::map<int, uint32_t> lowerJobIndex_; // into lowerJobs_
     uint32_t jobCount_ = 0;
 };

@@ -2,6 +2,12 @@
 #include <algorithm>
 
 namespace lumel {
+namespace {
+
+// Behind the ring's end, for the last pages of a tile that begins before it.
+constexpr size_t kPagesBehind = shared::kSurfaceWords;
+
+} // namespace
 
 SurfaceCache::SurfaceCache(const gpu::Device& device)
     : device_(device), layout_(gpu::makeSetLayout(device, {vk::DescriptorType::eUniformTexelBuffer})),
@@ -18,33 +24,33 @@ void SurfaceCache::allocate(gpu::FrameRing& ring, uint32_t capacity)
     state_.emptied = 1;
     if (capacity == 0)
         return;
-    words_ = gpu::Buffer(device_, capacity * kTileBytes, gpu::Buffer::MemoryUsage::device, "surface cache",
+    words_ = gpu::Buffer(device_, (capacity + kPagesBehind) * kPageBytes, gpu::Buffer::MemoryUsage::device, "surface cache",
                          "use a smaller --pool-mb", gpu::MemoryKind::surfaceCache);
     view_ = gpu::makeTexelView(device_, words_);
     gpu::writeTexels(device_, *set_, 0, *view_);
 }
 
-size_t SurfaceCache::roomFor(size_t tiles)
+size_t SurfaceCache::roomFor(size_t pages)
 {
-    // In steps, so that a few tiles more or less change nothing.
+    // In steps, so that a few pages more or less change nothing.
     constexpr size_t kStep = size_t(16) << 20;
-    const size_t bytes = (tiles + tiles / 2) * kTileBytes;
+    const size_t bytes = (pages + pages / 2) * kPageBytes;
     return (bytes + kStep - 1) / kStep * kStep;
 }
 
-void SurfaceCache::reserve(gpu::FrameRing& ring, size_t tiles, size_t capBytes)
+void SurfaceCache::reserve(gpu::FrameRing& ring, size_t pages, size_t capBytes)
 {
     // Below this many it is not worth its passes.
-    constexpr size_t kLeastTiles = 64;
-    const size_t words = kTileBytes / sizeof(glm::uvec4);
-    const size_t most =
-        std::min(capBytes / kTileBytes, size_t(device_.limits().core.maxTexelBufferElements) / words);
+    constexpr size_t kLeastPages = 64 * shared::kSurfaceWords;
+    const auto fitting = [](size_t all) { return all - std::min(all, kPagesBehind); };
+    const size_t texels = device_.limits().core.maxTexelBufferElements;
+    const size_t most = fitting(std::min(capBytes / kPageBytes, texels / shared::kTileLumels));
     // Frames leave an eighth of the ring to what they add; views move on.
-    const size_t needed = std::min(tiles + tiles / 4, most), wanted = std::min(2 * tiles, most);
-    const size_t fewest = std::min(roomFor(tiles) / kTileBytes, most);
+    const size_t needed = std::min(pages + pages / 4, most), wanted = std::min(2 * pages, most);
+    const size_t fewest = std::min(fitting(roomFor(pages) / kPageBytes), most);
     if (state_.capacity > most) // textures grow: not past roomFor() if they can help it
-        allocate(ring, uint32_t(fewest >= kLeastTiles ? fewest : 0));
-    else if (needed > state_.capacity + state_.capacity / 8 && wanted >= kLeastTiles)
+        allocate(ring, uint32_t(fewest >= kLeastPages ? fewest : 0));
+    else if (needed > state_.capacity + state_.capacity / 8 && wanted >= kLeastPages)
         allocate(ring, uint32_t(wanted));
 }
 
