@@ -27,6 +27,76 @@ Footprint footprintIn(sampler2D map, vec2 dx, vec2 dy)
     return footprintOf(dx, dy, vec2(textureSize(map, 0)), float(kAnisotropy));
 }
 
+// The lobes of several taps: one, or two of which each takes those that are nearer to it, whichever they were of theirs.
+struct TapLobes {
+    LobeMoments first, second;
+    LobeMoments means; // of each tap's lobes
+    vec3 secondSpecular;
+};
+
+TapLobes noLobes()
+{
+    return TapLobes(noMoments(), noMoments(), noMoments(), vec3(0.0));
+}
+
+float distance2(LobeMoments lobes, vec2 normal)
+{
+    vec2 d = momentNormal(lobes) - normal;
+    return dot(d, d);
+}
+
+void addLobe(inout TapLobes sum, LobeTexel lobe, bool isSecond)
+{
+    float strength = lobeStrength(lobe.specular), other = isSecond ? 1.0 : 0.0;
+    sum.first = plusLobe(sum.first, strength * (1.0 - other), lobe.normal, lobe.covariance);
+    sum.second = plusLobe(sum.second, strength * other, lobe.normal, lobe.covariance);
+    sum.secondSpecular += other * lobe.specular;
+}
+
+// Between level 0, where both lobes are one, and level 1 surfaces bend from the one to the other: the variance of that.
+vec3 bendBetween(LobeTexel first, LobeTexel second, float share, float level)
+{
+    float fine = level < 1.0 ? 1.0 / max(level, 1e-3) - 1.0 : 0.0;
+    vec2 d = second.normal - first.normal;
+    return fine * share * (1.0 - share) * vec3(d.x * d.x, d.x * d.y, d.y * d.y);
+}
+
+void addLobes(inout TapLobes sum, MaterialTexel texel, float level)
+{
+    LobeTexel first = LobeTexel(texel.normal, texel.covariance, texel.specular), second = texel.second;
+    float strength = lobeStrength(first.specular);
+    if (!kTwoLobes) {
+        sum.first = plusLobe(sum.first, strength, first.normal, first.covariance);
+        return;
+    }
+    float both = strength + lobeStrength(second.specular), share = lobeStrength(second.specular) / both;
+    vec3 bend = bendBetween(first, second, share, level);
+    first.covariance += bend;
+    second.covariance += bend;
+    bool isFirstTap = sum.means.strength == 0.0;
+    bool firstToSecond = !isFirstTap && distance2(sum.second, first.normal) < distance2(sum.first, first.normal);
+    bool secondToSecond = isFirstTap || distance2(sum.second, second.normal) < distance2(sum.first, second.normal);
+    addLobe(sum, first, firstToSecond);
+    addLobe(sum, second, secondToSecond);
+    sum.means = plusLobe(sum.means, both, mix(first.normal, second.normal, share), vec3(0.0));
+}
+
+// sum: the means of all taps, whose lobes are to be found.
+void takeLobes(inout MaterialTexel sum, TapLobes lobes, float taps)
+{
+    sum.normal = momentNormal(lobes.first);
+    if (!kTwoLobes) {
+        sum.covariance = momentCovariance(lobes.first, tapSpread(taps));
+        return;
+    }
+    // What the normal varies within a tap's part, as far as it varies between them: both lobes have it.
+    vec3 within = (tapSpread(taps) - 1.0) * momentCovariance(lobes.means, 1.0);
+    vec3 second = lobes.secondSpecular / taps;
+    sum.covariance = momentCovariance(lobes.first, 1.0) + within;
+    sum.specular += sum.second.specular - second;
+    sum.second = LobeTexel(momentNormal(lobes.second), momentCovariance(lobes.second, 1.0) + within, second);
+}
+
 MaterialTexel materialHere(vec4 dx, vec4 dy)
 {
     if (push.draw.level >= 0.0)
@@ -37,21 +107,14 @@ MaterialTexel materialHere(vec4 dx, vec4 dy)
     Footprint reflectance = footprintIn(mapNormal, dx.xy, dy.xy), emissive = footprintIn(mapEmissive, dx.zw, dy.zw);
     int taps = reflectanceTaps(max(reflectance.elongation, emissive.elongation));
     MaterialTexel sum = noMaterial();
-    LobeMoments lobes = noMoments(), second = noMoments();
+    TapLobes lobes = noLobes();
     for (int i = 0; i < taps; ++i) {
         MaterialTexel texel = sampleMaterial(uv + alongAxis(i, taps) * vec4(reflectance.axis, emissive.axis),
                                              vec2(reflectance.level, emissive.level));
         addMaterial(sum, texel, 1.0 / float(taps));
-        lobes = plusLobe(lobes, lobeStrength(texel.specular), texel.normal, texel.covariance);
-        if (kTwoLobes)
-            second = plusLobe(second, lobeStrength(texel.second.specular), texel.second.normal, texel.second.covariance);
+        addLobes(lobes, texel, reflectance.level);
     }
-    sum.normal = momentNormal(lobes);
-    sum.covariance = momentCovariance(lobes, tapSpread(float(taps)));
-    if (kTwoLobes) {
-        sum.second.normal = momentNormal(second);
-        sum.second.covariance = momentCovariance(second, tapSpread(float(taps)));
-    }
+    takeLobes(sum, lobes, float(taps));
     return sum;
 }
 

@@ -63,7 +63,8 @@ bool Renderer::chooseDetail(Frame& frame)
     return first && *detail_ != finest;
 }
 
-// Of the surface cache, for the tiles that the latest known view needs: as many of them have two lobes as pixels do.
+// Of the surface cache, for the tiles that the latest known view needs: as many of them have two lobes as
+// pixels do.
 size_t Renderer::surfacePages(const Frame& frame) const
 {
     double pages = 0.0, samples = 0.0;

@@ -194,4 +194,28 @@ std::array<float, baker::kSecondChannels> Reflectance::secondAt(size_t level, in
     return texel;
 }
 
+FirstLobeMaps firstLobeMaps(const Reflectance& reflectance)
+{
+    if (!reflectance.hasSecond())
+        return {reflectance.normal, reflectance.specular};
+    std::vector<Image> normals, speculars;
+    for (size_t level = 0; level < reflectance.levels(); ++level) {
+        const glm::ivec2 size = reflectance.normal.size(level);
+        Image& normal = normals.emplace_back(size.x, size.y, 4);
+        Image& specular = speculars.emplace_back(size.x, size.y, 4);
+        tbb::parallel_for(0, size.y, [&](int y) {
+            for (int x = 0; x < size.x; ++x) {
+                const glm::vec4 n = reflectance.normal.at(level, x, y),
+                                s = reflectance.specular.at(level, x, y);
+                const float k = shared::luminanceOf(glm::vec3(s)) + shared::kLeastWeight;
+                const float c = k * shared::kSecondCovarianceScale;
+                const glm::vec4 lobe(k * n.x, k * n.y, c * n.z, c * n.w), rest(s.x, s.y, s.z, c * s.w);
+                std::copy_n(&lobe.x, 4, normal.at(x, y));
+                std::copy_n(&rest.x, 4, specular.at(x, y));
+            }
+        });
+    }
+    return {HalfChain(normals), HalfChain(speculars)};
+}
+
 } // namespace lumel::scene

@@ -64,4 +64,11 @@ struct Reflectance {
     std::array<float, baker::kSecondChannels> secondAt(size_t level, int x, int y) const;
 };
 
+// The maps of first lobes as shaders read them: beside second ones they are premultiplied too, by their
+// strength and kLeastWeight. (Files keep them as they are: level 0 has no second lobes to share with.)
+struct FirstLobeMaps {
+    HalfChain normal, specular;
+};
+FirstLobeMaps firstLobeMaps(const Reflectance& reflectance);
+
 } // namespace lumel::scene

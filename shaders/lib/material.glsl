@@ -5,6 +5,7 @@
 #include "shared/moments.h"
 #include "shared/tint.h"
 
+// Of materials of two lobes, the first two are premultiplied as second lobes are, by K + kLeastWeight.
 layout(set = 1, binding = 0) uniform sampler2D mapNormal;   // N.x N.y S.xx S.yy
 layout(set = 1, binding = 1) uniform sampler2D mapSpecular; // Ks S.xy
 layout(set = 1, binding = 2) uniform sampler2D mapDiffuse;  // Kd, fit error
@@ -43,23 +44,54 @@ struct MaterialTexel {
 };
 
 // level: of the reflectance.
+LobeTexel sampleFirst(vec2 uv, float level)
+{
+    vec4 normal = textureLod(mapNormal, uv, level), specular = textureLod(mapSpecular, uv, level);
+    LobeTexel lobe = LobeTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb);
+    if (kTwoLobes) {
+        float weight = luminanceOf(specular.rgb) + kLeastWeight;
+        lobe.normal /= weight;
+        lobe.covariance /= kSecondCovarianceScale * weight;
+    }
+    return lobe;
+}
+
 LobeTexel sampleSecond(vec2 uv, float level)
 {
-    if (!kTwoLobes)
-        return noLobe();
     vec4 moments = textureLod(mapSecond, uv, max(level - 1.0, 0.0));
     vec4 specular = textureLod(mapSecondSpecular, uv, max(level - 1.0, 0.0));
     float strength = lobeStrength(specular.rgb);
     // Where there is none, as wide a lobe as can be: it is as good as any, and harmless.
     vec3 covariance = vec3(moments.z, specular.w, moments.w) / kSecondCovarianceScale + 1e-6 * vec3(1.0, 0.0, 1.0);
-    // Level 0 has none.
-    return LobeTexel(moments.xy / strength, covariance / strength, specular.rgb * clamp(level, 0.0, 1.0));
+    return LobeTexel(moments.xy / strength, covariance / strength, specular.rgb);
 }
 
-MaterialTexel unpackMaterial(vec4 normal, vec4 specular, vec4 diffuse, vec4 emissive, vec4 base, LobeTexel second)
+// A share of level 0's lobe and one of level 1, at a level between them.
+LobeTexel mixLobes(LobeTexel finest, float share, LobeTexel coarser, float level)
 {
-    return MaterialTexel(normal.xy, vec3(normal.z, specular.w, normal.w), specular.rgb, diffuse.rgb, emissive.rgb, emissive.a,
-                         base.rgb, base.a, second);
+    vec3 fine = (1.0 - level) * share * finest.specular, coarse = level * coarser.specular;
+    float strength = level * lobeStrength(coarser.specular);
+    float t = strength / (strength + (1.0 - level) * share * lobeStrength(finest.specular));
+    return LobeTexel(mix(finest.normal, coarser.normal, t), mix(finest.covariance, coarser.covariance, t), fine + coarse);
+}
+
+struct LobePair {
+    LobeTexel first, second;
+};
+LobePair sampleLobes(vec2 uv, float level)
+{
+    if (!kTwoLobes)
+        return LobePair(sampleFirst(uv, level), noLobe());
+    // Level 0 has one lobe. Blended with level 1 it counts as two, in the shares that they have there: were it the first
+    // alone, that would turn towards the first of level 1 while the second has not come up.
+    LobePair pair = LobePair(sampleFirst(uv, max(level, 1.0)), sampleSecond(uv, max(level, 1.0)));
+    if (level < 1.0) {
+        LobeTexel finest = sampleFirst(uv, 0.0);
+        float first = lobeStrength(pair.first.specular), second = lobeStrength(pair.second.specular);
+        pair.first = mixLobes(finest, first / (first + second), pair.first, level);
+        pair.second = mixLobes(finest, second / (first + second), pair.second, level);
+    }
+    return pair;
 }
 
 // uv: of the reflectance (xy) and of emissive (zw). levels: of the reflectance and of emissive, which are chains of their own
@@ -68,12 +100,12 @@ MaterialTexel sampleMaterial(vec4 uv, vec2 levels)
 {
     levels = max(levels, vec2(0.0));
     // mapBase is of the reflectance's size, or constant.
-    return unpackMaterial(
-        textureLod(mapNormal, uv.xy, levels.x), textureLod(mapSpecular, uv.xy, levels.x),
-        textureLod(mapDiffuse, uv.xy, levels.x),
-        kConstantEmission ? texelFetch(mapEmissive, ivec2(0), 0) : textureLod(mapEmissive, uv.zw, levels.y),
-        kConstantBase ? texelFetch(mapBase, ivec2(0), 0) : textureLod(mapBase, uv.xy, levels.x),
-        sampleSecond(uv.xy, levels.x));
+    LobePair lobes = sampleLobes(uv.xy, levels.x);
+    vec3 diffuse = textureLod(mapDiffuse, uv.xy, levels.x).rgb;
+    vec4 emissive = kConstantEmission ? texelFetch(mapEmissive, ivec2(0), 0) : textureLod(mapEmissive, uv.zw, levels.y);
+    vec4 base = kConstantBase ? texelFetch(mapBase, ivec2(0), 0) : textureLod(mapBase, uv.xy, levels.x);
+    return MaterialTexel(lobes.first.normal, lobes.first.covariance, lobes.first.specular, diffuse, emissive.rgb, emissive.a,
+                         base.rgb, base.a, lobes.second);
 }
 
 MaterialTexel noMaterial()
@@ -81,7 +113,7 @@ MaterialTexel noMaterial()
     return MaterialTexel(vec2(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 0.0, vec3(0.0), 0.0, noLobe());
 }
 
-// All of it is linear: the maps hold means.
+// All of it is linear: the maps hold means. Not so lobes: see moments.h.
 void addMaterial(inout MaterialTexel sum, MaterialTexel texel, float weight)
 {
     sum.normal += weight * texel.normal;

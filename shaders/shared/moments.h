@@ -5,7 +5,8 @@
 //
 // Between the taps of an anisotropic lookup this is right, for the pixel covers them all. Between the texels of one
 // trilinear tap it is not: there the average of two texels is one over twice a texel's area, and pictures lose by what
-// that adds to the width of lobes (tests/unit/baker/moments_test.cpp). Taps take means, which samplers do.
+// that adds to the width of lobes (tests/unit/baker/moments_test.cpp). Taps take means, which samplers do; of two lobes
+// those weighted by strength, since neighbours share out theirs differently.
 #ifndef LUMEL_SHARED_MOMENTS_H
 #define LUMEL_SHARED_MOMENTS_H
 #include "lobe.h"
@@ -21,6 +22,8 @@ struct LobeMoments {
 
 // Times this, products of strength and covariance are no subnormal half floats.
 LUMEL_CONST float kSecondCovarianceScale = 64.0f;
+// Added to the strength by which first lobes are premultiplied: what reflects nothing keeps its normal.
+LUMEL_CONST float kLeastWeight = 1e-3f;
 
 LUMEL_FN LobeMoments noMoments()
 {

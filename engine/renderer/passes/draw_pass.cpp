@@ -77,10 +77,10 @@ const gpu::Pipeline& DrawPass::pipeline(const Frame& frame, const LitPool& pool,
     return pipeline = gpu::makeGraphicsPipeline(frame.device, info);
 }
 
-// Of a surface's, those that view.frag is made for.
-static uint32_t viewFeatures(const Settings& settings, uint32_t surface)
+// Of a surface's, those that view.frag is made for: how lobes are stored.
+static uint32_t viewFeatures(uint32_t surface)
 {
-    return settings.view == View::lobes ? surface & shared::kFeatureSecondLobe : 0u;
+    return surface & shared::kFeatureSecondLobe;
 }
 
 void DrawPass::prepare(const Frame& frame, const LitPool& pool, uint32_t lights)
@@ -90,7 +90,7 @@ void DrawPass::prepare(const Frame& frame, const LitPool& pool, uint32_t lights)
         pipeline(frame, pool, settings.view == View::pool ? Kind::pool : Kind::view);
         for (const SurfaceKind& kind : frame.scene.surfaceKinds())
             if (settings.view != View::pool)
-                pipeline(frame, pool, Kind::view, viewFeatures(settings, kind.features));
+                pipeline(frame, pool, Kind::view, viewFeatures(kind.features));
         return;
     }
     const bool tsl = settings.shading == Shading::tsl;
@@ -170,8 +170,7 @@ void DrawPass::drawBackground(Frame& frame, const LitPool& pool)
 void DrawPass::drawView(Frame& frame, const LitPool& pool, size_t object)
 {
     const gpu::Pipeline& view =
-        pipeline(frame, pool, Kind::view,
-                 viewFeatures(frame.settings, surfaceFeatures(frame.scene.objects()[object])));
+        pipeline(frame, pool, Kind::view, viewFeatures(surfaceFeatures(frame.scene.objects()[object])));
     bindSets(frame, vk::PipelineBindPoint::eGraphics, view, {*frame.scene.objects()[object].material->set});
     pushConstants(
         frame.commands, view,

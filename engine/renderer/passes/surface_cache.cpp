@@ -24,8 +24,8 @@ void SurfaceCache::allocate(gpu::FrameRing& ring, uint32_t capacity)
     state_.emptied = 1;
     if (capacity == 0)
         return;
-    words_ = gpu::Buffer(device_, (capacity + kPagesBehind) * kPageBytes, gpu::Buffer::MemoryUsage::device, "surface cache",
-                         "use a smaller --pool-mb", gpu::MemoryKind::surfaceCache);
+    words_ = gpu::Buffer(device_, (capacity + kPagesBehind) * kPageBytes, gpu::Buffer::MemoryUsage::device,
+                         "surface cache", "use a smaller --pool-mb", gpu::MemoryKind::surfaceCache);
     view_ = gpu::makeTexelView(device_, words_);
     gpu::writeTexels(device_, *set_, 0, *view_);
 }

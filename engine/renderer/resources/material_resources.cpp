@@ -47,8 +47,9 @@ void MaterialResources::replace(const gpu::Device& device, size_t material, cons
 {
     const GpuMaterial& maps = materials_[material];
     gpu::UploadBatch batch(device);
-    refillChain(batch, maps.normal, before.normal, after.normal);
-    refillChain(batch, maps.specular, before.specular, after.specular);
+    const scene::FirstLobeMaps old = scene::firstLobeMaps(before), now = scene::firstLobeMaps(after);
+    refillChain(batch, maps.normal, old.normal, now.normal);
+    refillChain(batch, maps.specular, old.specular, now.specular);
     refillChain(batch, maps.diffuse, before.diffuse, after.diffuse);
     refillChain(batch, maps.base, before.base, after.base);
     if (maps.second) {
@@ -70,8 +71,9 @@ void MaterialResources::upload(const gpu::Device& device, gpu::UploadBatch& batc
     const auto image = [&](const scene::HalfChain& chain, const char* what) {
         return uploadChain(batch, chain, source.name + what);
     };
-    material.normal = image(baked.reflectance.normal, " normal");
-    material.specular = image(baked.reflectance.specular, " specular");
+    const scene::FirstLobeMaps first = scene::firstLobeMaps(baked.reflectance);
+    material.normal = image(first.normal, " normal");
+    material.specular = image(first.specular, " specular");
     material.diffuse = image(baked.reflectance.diffuse, " diffuse");
     material.emissive = image(baked.emissive, " emissive");
     material.opacity = image(baked.opacity, " opacity");
