@@ -94,6 +94,7 @@ protected:
                  .tiles = tiles_.address(),
                  .samples = {0, 0},
                  .divisor = 1.0f,
+                 .margin = 0.0f,
                  .reach = 2.0f,
                  .objectCount = objectCount_,
                  .budgetQuads = ~0u,
