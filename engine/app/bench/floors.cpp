@@ -2,7 +2,9 @@
 #include "core/pass_names.h"
 #include "core/statistics.h"
 #include "runs.h"
+#include <algorithm>
 #include <fmt/format.h>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -59,8 +61,12 @@ json floorOf(const std::string& pass, const json& floors)
     return floors.value(name, json(nullptr));
 }
 
-json passOf(const std::string& pass, const std::vector<FloorFrame>& frames, const json& floors)
+// Over the frames in which it runs: the feedback pass does not in all.
+json passOf(const std::string& pass, std::vector<FloorFrame> frames, const json& floors)
 {
+    const auto ran = [&](const FloorFrame& frame) { return passMs(frame, pass) > 0.0; };
+    if (std::ranges::any_of(frames, ran))
+        std::erase_if(frames, std::not_fn(ran));
     const Unit unit = unitOf(pass);
     const json ms = medianOver(frames, [&](const FloorFrame& f) { return std::optional(passMs(f, pass)); });
     const json ns = medianOver(
@@ -119,12 +125,14 @@ json floorsOf(const std::vector<FloorFrame>& frames)
     json passes;
     for (const char* pass : kPassNames)
         passes[pass] = passOf(pass, frames, floors);
-    const auto overhead = [](const FloorFrame& f) {
-        return quotient(passMs(f, "feedback") + passMs(f, "plan") + passMs(f, "lower"), f.ms);
-    };
+    double overhead = 0.0, whole = 0.0; // sums: frames with and without a feedback pass take turns
+    for (const FloorFrame& f : frames) {
+        overhead += passMs(f, "feedback") + passMs(f, "plan") + passMs(f, "lower");
+        whole += f.ms;
+    }
     const auto lumelsPerPixel = [](const FloorFrame& f) { return quotient(f.lit, f.pixels); };
     return {{"pixels", medianOver(frames, [](const FloorFrame& f) { return std::optional(f.pixels); })},
-            {"overhead_share", medianOver(frames, overhead)},
+            {"overhead_share", whole > 0.0 ? json(overhead / whole) : json(nullptr)},
             {"lumels_per_pixel", medianOver(frames, lumelsPerPixel)},
             {"floor_ns", floors},
             {"passes", passes}};

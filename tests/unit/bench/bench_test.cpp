@@ -148,6 +148,7 @@ TEST(Floors, RatiosAreOfMediansForEachUnit)
              .floorNs = {{"bicubic_two_levels", 20.0}}});
     for (size_t i = 1; i < frames.size(); ++i)
         frames[i].floorNs["light"] = 30.0;
+    frames[1].passMs["feedback"] = frames[3].passMs["feedback"] = 2.0; // in every second frame
     const json floors = floorsOf(frames);
     const json& light = floors.at("passes").at("light");
     EXPECT_NEAR(light.at("ns"), 300.0, 1e-9);
@@ -155,7 +156,8 @@ TEST(Floors, RatiosAreOfMediansForEachUnit)
     EXPECT_NEAR(floors.at("passes").at("draw").at("ratio"), 4.0, 1e-9);
     EXPECT_TRUE(floors.at("passes").at("lower").at("ns").is_null()) << "nothing derived";
     EXPECT_TRUE(floors.at("passes").at("plan").at("ratio").is_null()) << "without a floor";
-    EXPECT_NEAR(floors.at("overhead_share"), 0.15, 1e-9);
+    EXPECT_EQ(floors.at("passes").at("feedback").at("ms"), 2.0) << "where it ran";
+    EXPECT_NEAR(floors.at("overhead_share"), 0.25, 1e-9) << "of all frames";
 
     json run = runJson("tsl", 5, 2);
     EXPECT_EQ(floorTables(document({run})), "");
