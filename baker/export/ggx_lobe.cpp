@@ -33,33 +33,30 @@ void GgxNodes::set(size_t i, glm::vec3 h)
     inverseZ_[i] = 1.0f / std::max(h.z, 1e-3f);
 }
 
-void GgxNodes::add(const GgxLobe& lobe, float weight, Values& values, Values& densities) const
+// Of the lobe at node i: its density by half vector, 0 below the horizon, and the cosine to its normal.
+inline GgxNodes::AtNode GgxNodes::at(const GgxLobe& lobe, size_t i) const
 {
-    const float scale = lobe.scale * weight;
     const auto& f = lobe.form;
     const auto& p = products_;
-    const float nx = lobe.normal.x, ny = lobe.normal.y, nz = lobe.normal.z;
+    const float q =
+        f[0] * p[0][i] + f[1] * p[1][i] + f[2] * p[2][i] + f[3] * p[3][i] + f[4] * p[4][i] + f[5] * p[5][i];
+    const float cosine = lobe.normal.x * x_[i] + lobe.normal.y * y_[i] + lobe.normal.z * z_[i];
+    return {cosine > 0.0f ? lobe.scale / (q * q) : 0.0f, std::max(cosine, 0.0f)};
+}
+
+void GgxNodes::add(const GgxLobe& lobe, float weight, Values& values, Values& densities) const
+{
     for (size_t i = 0; i < kCount; ++i) {
-        const float q = f[0] * p[0][i] + f[1] * p[1][i] + f[2] * p[2][i] + f[3] * p[3][i] + f[4] * p[4][i] +
-                        f[5] * p[5][i];
-        const float cosine = std::max(nx * x_[i] + ny * y_[i] + nz * z_[i], 0.0f);
-        const float d = cosine > 0.0f ? scale / (q * q) : 0.0f;
-        values[i] += d;
-        densities[i] += d * cosine * inverseZ_[i];
+        const AtNode node = at(lobe, i);
+        values[i] += weight * node.value;
+        densities[i] += weight * node.value * node.cosine * inverseZ_[i];
     }
 }
 
 void GgxNodes::evaluate(const GgxLobe& lobe, Values& values) const
 {
-    const auto& f = lobe.form;
-    const auto& p = products_;
-    const float nx = lobe.normal.x, ny = lobe.normal.y, nz = lobe.normal.z;
-    for (size_t i = 0; i < kCount; ++i) {
-        const float q = f[0] * p[0][i] + f[1] * p[1][i] + f[2] * p[2][i] + f[3] * p[3][i] + f[4] * p[4][i] +
-                        f[5] * p[5][i];
-        const float cosine = nx * x_[i] + ny * y_[i] + nz * z_[i];
-        values[i] = cosine > 0.0f ? lobe.scale / (q * q) : 0.0f;
-    }
+    for (size_t i = 0; i < kCount; ++i)
+        values[i] = at(lobe, i).value;
 }
 
 } // namespace lumel::baker

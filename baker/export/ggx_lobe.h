@@ -43,6 +43,10 @@ public:
     bool isOnDisc(size_t i) const { return z_[i] > 0.0f; }
 
 private:
+    struct AtNode {
+        float value, cosine;
+    };
+    AtNode at(const GgxLobe& lobe, size_t i) const;
     alignas(64) std::array<Values, 6> products_{}; // of h with itself, in the form's order
     alignas(64) Values x_{}, y_{}, z_{}, inverseZ_{};
 };

@@ -61,23 +61,6 @@ void logUnlit(const Scene& scene)
         spdlog::info("{}: {} more objects are drawn forward", scene.file.string(), count - kMaxLines);
 }
 
-Scene readScene(Reader& reader, const std::filesystem::path& file)
-{
-    parseModel(reader);
-    Scene scene;
-    scene.file = file;
-    readImages(reader, scene);
-    readMaterials(reader, scene);
-    readNodes(reader, scene);
-    if (scene.objects.empty())
-        reader.fail("no triangles in its default scene", "export a mesh");
-    if (!reader.document.ignored.empty())
-        spdlog::info("{}: ignored: {}", reader.document.file, fmt::join(reader.document.ignored, ", "));
-    unwrapMeshes(scene);
-    logUnlit(scene);
-    return scene;
-}
-
 Scene readMaterialsOnly(Reader& reader, const std::filesystem::path& file)
 {
     parseModel(reader);
@@ -85,6 +68,19 @@ Scene readMaterialsOnly(Reader& reader, const std::filesystem::path& file)
     scene.file = file;
     readImages(reader, scene);
     readMaterials(reader, scene);
+    return scene;
+}
+
+Scene readScene(Reader& reader, const std::filesystem::path& file)
+{
+    Scene scene = readMaterialsOnly(reader, file);
+    readNodes(reader, scene);
+    if (scene.objects.empty())
+        reader.fail("no triangles in its default scene", "export a mesh");
+    if (!reader.document.ignored.empty())
+        spdlog::info("{}: ignored: {}", reader.document.file, fmt::join(reader.document.ignored, ", "));
+    unwrapMeshes(scene);
+    logUnlit(scene);
     return scene;
 }
 
