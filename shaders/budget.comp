@@ -21,15 +21,15 @@ void countSurfaces()
 
 void main()
 {
-    uint marked = min(push.plan.at.marked, push.markCapacity);
-    push.plan.at.marked = marked;
     if (push.plan.at.groups[0] == 0u) {
+        uint marked = min(push.plan.at.marked, push.markCapacity);
+        push.plan.at.marked = marked;
         uvec2 groups = groupRows(marked);
         push.plan.at.groups[0] = groups.x;
         push.plan.at.groups[1] = groups.y;
-        countSurfaces();
         return;
     }
+    countSurfaces();
     uint always = push.plan.at.histogram[kPriorityAlways];
     uint budget = push.budgetQuads - min(always, push.budgetQuads);
     uint refreshable = uint(float(push.plan.at.quadsMarked) * push.refreshShare);

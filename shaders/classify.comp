@@ -49,7 +49,7 @@ uint derivedQuads(LitObject object, uint mip, uvec2 tile, uint quads, TileState 
 {
     if (mip == 0u || (kMayWait && state.held == 0u && mip == tailMip(object.mips)))
         return 0u;
-    uint derived = quads & quadsNeededFiner(object, mip, tile);
+    uint derived = quads & quadsNeededFiner(object, mip, tile, push.marking);
     if (kMayWait)
         derived &= childrenOf(object, mip, tile, 0u).held | state.held | state.held >> 16u;
     return derived;
@@ -106,7 +106,7 @@ void main()
     uint mip = placeMip(tile.place);
     uvec2 place = placeTile(tile.place);
     uint stateIndex = tileIndex(object, mip, place);
-    uint quads = object.tiles.at[stateIndex].needed & surfaceQuads(object, mip, place);
+    uint quads = quadsNeeded(object, stateIndex, push.marking) & surfaceQuads(object, mip, place);
     TileState state = lightState(object, stateIndex);
     uint derived = derivedQuads(object, mip, place, quads, state);
     uint tail = derivedTail(object.mips);

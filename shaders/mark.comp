@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Plan, first step: every sample of the feedback pass marks the quads that drawing its block of pixels will read,
 // at the two MIPs that it blends and, as a fallback, three MIPs coarser. Every object's tail
-// MIPs are marked too. A tile enters the list the first time one of its quads is marked in a frame.
+// MIPs are marked too. A tile enters the list the first time that one of its quads is marked. Markings are numbered; one
+// serves as many frames as its samples do.
 #include "lib/footprint.glsl"
 #include "lib/plan.glsl"
 
@@ -21,19 +22,21 @@ const int kTileQuads = int(kTileSize / kQuadSize); // along either axis
 void mark(LitObject object, uint objectIndex, uint mip, uvec2 tile, uint index, uint quads)
 {
     // Reading first spares most atomics.
-    if ((object.tiles.at[index].needed & quads) == quads)
+    uint before = object.tiles.at[index].needed;
+    bool listed = before >> 16u == push.marking;
+    if (listed && (before & quads) == quads)
         return;
-    uint before = atomicOr(object.tiles.at[index].needed, quads);
-    if ((before & kAllQuads) != 0u)
-        return; // it is in the list
+    if (listed || atomicCompSwap(object.tiles.at[index].needed, before, push.marking << 16u | quads) != before) {
+        atomicOr(object.tiles.at[index].needed, quads);
+        return;
+    }
     uint slot = atomicAdd(push.plan.at.marked, 1u);
     if (slot >= push.markCapacity) {
-        atomicAnd(object.tiles.at[index].needed, ~kAllQuads); // coarser tiles may not rely on its light
+        atomicExchange(object.tiles.at[index].needed, 0u); // coarser tiles may not rely on its light
         atomicAdd(push.plan.at.dropped, 1u);
         return;
     }
-    uint lastFrame = before >> 16u;
-    uint waited = lastFrame != 0u && lastFrame == ((view.frame - 1u) & 0xffffu) ? kPlaceWaited : 0u;
+    uint waited = before != 0u && before >> 16u == push.marking - 1u ? kPlaceWaited : 0u;
     push.marks.at[slot].tile = Tile(objectIndex, packPlace(mip, tile) | waited);
 }
 

@@ -33,7 +33,7 @@ void main()
     Mark mark = push.marks.at[listed];
     LitObject object = litObject(mark.tile.object);
     uint index = tileIndex(object, placeMip(mark.tile.place), placeTile(mark.tile.place));
-    object.tiles.at[index].needed = view.frame << 16u; // until the next frame's marks
+    push.marks.at[listed].tile.place |= kPlaceWaited; // if they serve another frame
     if (mark.verdict >= kPriorities)
         return;
     uint threshold = push.plan.at.threshold;

@@ -41,7 +41,7 @@ void Renderer::recordTextureSpace(Frame& frame)
     if (frame.late)
         chooseDetail(frame);
     assignTextures(frame, spacing); // which recycled texture does each object draw?
-    sampled_ = !frame.late || !feedback_.servesAgain(frame, spacing);
+    sampled_ = !frame.late || !feedback_.serveAgain(frame, spacing);
     if (frame.late && sampled_)
         feedback_.record(frame, spacing); // the answer is for a later frame
     pool_.recordHandovers(frame);

@@ -95,13 +95,20 @@ uvec4 childTiles(LitObject object, uint mip, uvec2 tile)
                  right && below ? first + tiles.x + 1u : kNoTile);
 }
 
-// Quads whose children this frame's view all needs.
-uint quadsNeededFiner(LitObject object, uint mip, uvec2 tile)
+// Quads that the view needs, as of the given marking.
+uint quadsNeeded(LitObject object, uint index, uint marking)
+{
+    uint needed = object.tiles.at[index].needed;
+    return needed >> 16u == marking ? needed & kAllQuads : 0u;
+}
+
+// Quads whose children the view all needs.
+uint quadsNeededFiner(LitObject object, uint mip, uvec2 tile, uint marking)
 {
     uvec4 children = childTiles(object, mip, tile);
     uint quads = 0u;
     for (uint i = 0u; i < 4u; ++i) {
-        uint needed = children[i] != kNoTile ? object.tiles.at[children[i]].needed : kAllQuads;
+        uint needed = children[i] != kNoTile ? quadsNeeded(object, children[i], marking) : kAllQuads;
         quads |= parentQuads(needed, uvec2(i & 1u, i >> 1u));
     }
     return quads;

@@ -246,7 +246,7 @@ struct TileState {
     uint rates;
     uint change;  // mean over its lumels of the squared change then, in 1 / kChangeUnit
     uint shown;   // frame from which it is drawn; it fades in over kFadeFrames
-    uint needed;  // quads that this frame's view reads, none between frames; in the high half the last frame that did
+    uint needed;  // quads that the view reads, by the marking in the high half: none by any other
     uint held;    // quads that hold light: lit in the low half, derived in the high half
     uint derived; // frame in which the youngest of the lumels that it was derived from were lit
     uint surface; // its number in the surface cache (lib/surface_cache.glsl), 0 = none
@@ -439,6 +439,7 @@ struct PlanPush {
     float refreshShare;  // of the marked quads that may be lit again because the eye moved
     float tolerance;     // display value: a smaller expected change is left alone
     uint markCapacity;   // tiles that each third of `marks` holds: marked, chosen, unbound
+    uint marking;        // its number, 16 bits, from 1
     SurfaceCacheState surfaces;
 };
 

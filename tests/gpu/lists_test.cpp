@@ -9,7 +9,7 @@ using namespace lumel::test;
 
 namespace {
 
-constexpr uint32_t kFrame = 20;
+constexpr uint32_t kFrame = 20, kMarking = 7;
 constexpr uint32_t kGuard = 0xdeadbeef;
 constexpr uint32_t kMips = 8; // of 128 x 128 lumels; the last four are the tail, a tile each
 
@@ -101,6 +101,7 @@ protected:
                  .refreshShare = 1.0f,
                  .tolerance = 0.0f,
                  .markCapacity = marks,
+                 .marking = kMarking,
                  .surfaces = {}};
     }
 
@@ -217,6 +218,25 @@ TEST_F(PlanShaders, MarksKeepToTheirList)
     EXPECT_EQ(plan().marked, 16u);
 }
 
+// A tile enters the list once a marking; what former ones have left in it does not count.
+TEST_F(PlanShaders, EachMarkingBeginsAnew)
+{
+    makeObjects(1);
+    makeLists(16, {});
+    const uint32_t before[4] = {kMarking - 1, kMarking - 2, kMarking, 0}; // of the four tail tiles
+    for (uint32_t i = 0; i < 4; ++i)
+        state(0, 4 + i).needed = before[i] << 16 | (before[i] != 0 ? 0x0fffu : 0u);
+    run("mark.comp", objectCount_);
+    EXPECT_EQ(plan().marked, 3u);
+    for (uint32_t i = 0; i < 4; ++i)
+        EXPECT_EQ(state(0, 4 + i).needed, kMarking << 16 | shared::kAllQuads) << i;
+    for (uint32_t i = 0; i < 3; ++i) {
+        const uint32_t place = marks_.mapped<shared::Mark>()[i].tile.place, mip = place >> 24 & 0xfu;
+        EXPECT_NE(mip, 6u);
+        EXPECT_EQ((place & shared::kPlaceWaited) != 0, mip == 4) << mip;
+    }
+}
+
 TEST_F(PlanShaders, JobsKeepToTheirLists)
 {
     makeObjects(1);
@@ -265,8 +285,8 @@ TEST_F(PlanShaders, QuadsAreDerivedWhereTheViewNeedsTheirChildren)
         expected |= all ? 1u << quad : 0u;
     }
     for (uint32_t i = 0; i < 4; ++i)
-        state(0, 0, i / 2 * 16 + i % 2).needed = under[i];
-    state(0, kMip).needed = 0xfff7u;
+        state(0, 0, i / 2 * 16 + i % 2).needed = kMarking << 16 | under[i];
+    state(0, kMip).needed = kMarking << 16 | 0xfff7u;
     marks_.mapped<shared::Mark>()[0] = {.tile = {.object = 0, .place = kMip << 24}, .verdict = 0, .quads = 0};
     plan_.mapped<shared::Plan>()->marked = 1;
     run("classify.comp", 1);
@@ -284,7 +304,7 @@ TEST_F(PlanShaders, OnlyQuadsWithoutLightAreAdded)
     makeObjects(1);
     makeLists(1, {8, 8, 0, 0, 0, 0});
     shared::TileState& tile = state(0, 0);
-    tile.needed = 0x00ffu;
+    tile.needed = kMarking << 16 | 0x00ffu;
     tile.held = 0x000fu | 0x0010u << 16; // lit, and derived
     tile.lit = tile.derived = kFrame - 1;
     marks_.mapped<shared::Mark>()[0] = {.tile = {.object = 0, .place = 0}, .verdict = 0, .quads = 0};
@@ -296,7 +316,8 @@ TEST_F(PlanShaders, OnlyQuadsWithoutLightAreAdded)
     EXPECT_EQ(plan().quadsLit, 3u);
     EXPECT_EQ(tile.held, 0x00efu | 0x0010u << 16);
     EXPECT_EQ(tile.lit, kFrame - 1);
-    EXPECT_EQ(tile.needed, kFrame << 16);
+    EXPECT_EQ(tile.needed, kMarking << 16 | 0x00ffu);
+    EXPECT_NE(marks_.mapped<shared::Mark>()[0].tile.place & shared::kPlaceWaited, 0u);
     EXPECT_EQ(tiles_.mapped<shared::JobTile>()[job(0).first].quads, 0x00e0u);
 }
 

@@ -233,6 +233,7 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(PlanPush, refreshShare);
     EXPECT_OFFSET(PlanPush, tolerance);
     EXPECT_OFFSET(PlanPush, markCapacity);
+    EXPECT_OFFSET(PlanPush, marking);
     EXPECT_OFFSET(PlanPush, surfaces);
     EXPECT_OFFSET(SurfaceCacheState, capacity);
     EXPECT_OFFSET(SurfaceCacheState, emptied);

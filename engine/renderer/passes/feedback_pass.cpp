@@ -1,4 +1,5 @@
 #include "feedback_pass.h"
+#include "renderer/resources/culling.h"
 #include "vertex_input.h"
 
 namespace lumel {
@@ -67,17 +68,27 @@ void FeedbackPass::resize(const gpu::Device& device, glm::uvec2 size)
     frame_ = 0;
 }
 
-bool FeedbackPass::servesAgain(const Frame& frame, uint32_t divisor) const
+bool FeedbackPass::serveAgain(const Frame& frame, uint32_t divisor)
 {
-    return frame_ != 0 && frame_ + 1 == frame.index && divisor == kSparse && divisor_ == kSparse &&
-           samples_ == samplesOf(frame, divisor);
+    const bool fit = frame_ != 0 && served_ + 1 == frame.index && frame.index - frame_ < kMostFrames &&
+                     divisor == kSparse && divisor_ == kSparse && samples_ == samplesOf(frame, divisor);
+    if (!fit || motionInPixels(frame.scene.objects(), frame.inView, clipFromObject_, frame.clipFromWorld,
+                               frame.renderSize) > kMostMotion)
+        return false;
+    served_ = frame.index;
+    return true;
 }
 
 void FeedbackPass::record(Frame& frame, uint32_t divisor)
 {
     divisor_ = divisor;
     samples_ = samplesOf(frame, divisor);
-    frame_ = frame.index;
+    frame_ = served_ = frame.index;
+    late_ = frame.late;
+    const auto& objects = frame.scene.objects();
+    clipFromObject_.clear();
+    for (const GpuObject& object : objects)
+        clipFromObject_.push_back(frame.clipFromWorld * object.data.worldFromObject);
     const PassScope scope(frame, "feedback");
     const vk::CommandBuffer commands = frame.commands;
     const vk::Extent2D extent{samples_.x, samples_.y}; // a part of the images
@@ -90,7 +101,6 @@ void FeedbackPass::record(Frame& frame, uint32_t divisor)
     // What hides others and what is seen: all but blended objects, which let everything through.
     std::vector<uint32_t> solid;
     std::vector<size_t> masked; // last: their hidden samples cost a depth test, no lookup
-    const auto& objects = frame.scene.objects();
     for (size_t i = 0; i < frame.inView.size(); ++i)
         if (frame.inView[i] && !objects[i].blend) {
             if (objects[i].data.flags & shared::kObjectMask)

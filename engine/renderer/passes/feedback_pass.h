@@ -26,12 +26,16 @@ public:
     void prepare(const Frame& frame); // begins to make all pipelines that the scene can need
     // divisor: kDense, kSparse, or 1 for the first frame of a view that nothing is known of.
     void record(Frame& frame, uint32_t divisor);
-    // Whether sparse samples of the frame before do for this one too: where the camera moves, what is seen
-    // hardly changes from frame to frame.
-    bool servesAgain(const Frame& frame, uint32_t divisor) const;
-    // Pixels around what the samples stand for that have come into view since they were taken. Without them
-    // silhouettes have too little light; 1 does at 1 pixel of motion a frame as at 3.
-    float margin(const Frame& frame) const { return frame_ == frame.index ? 0.0f : 2.0f; }
+    // Whether sparse samples of an earlier frame do for this one too: until kMostFrames have drawn by them,
+    // or an object has moved by more than kMostMotion across the picture. Error and flicker of orbits of half
+    // a degree to two degrees a frame are those of samples in every frame.
+    bool serveAgain(const Frame& frame, uint32_t divisor);
+    static constexpr uint32_t kMostFrames = 4;
+    static constexpr float kMostMotion = 24.0f; // pixels
+    // Pixels around what the samples stand for that may come into view before others are taken. Without them
+    // silhouettes have too little light.
+    float margin() const { return divisor_ == kSparse && late_ ? 1.0f : 0.0f; }
+    uint32_t frame() const { return frame_; } // that the samples are of, 0: none
     // The same samples once more, at the frame's anisotropy of now.
     void recount(Frame& frame);
     // After the commands that the frame at `place` recorded have finished.
@@ -51,7 +55,10 @@ private:
     void drawObjects(Frame& frame, std::span<const size_t> masked);
     glm::uvec2 samples_{0};
     uint32_t divisor_ = kDense;
-    uint32_t frame_ = 0; // that the samples are of, 0: none
+    uint32_t frame_ = 0;                    // that the samples are of, 0: none
+    uint32_t served_ = 0;                   // the latest frame to draw by them
+    bool late_ = false;                     // they may serve more frames than their own
+    std::vector<glm::mat4> clipFromObject_; // then
     gpu::Image seen_, depth_;
     gpu::SetLayout layout_;
     vk::raii::DescriptorSet set_;

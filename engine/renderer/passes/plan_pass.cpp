@@ -6,15 +6,16 @@ namespace lumel {
 namespace {
 
 // Makes the buffer at least this large; grows by half more, so that a steady view allocates nothing.
-// What held less may be in use until the frames in flight have finished.
-void reserve(Frame& frame, gpu::Buffer& buffer, size_t bytes, gpu::Buffer::MemoryUsage memoryUsage,
+// What held less may be in use until the frames in flight have finished. True when its contents are lost.
+bool reserve(Frame& frame, gpu::Buffer& buffer, size_t bytes, gpu::Buffer::MemoryUsage memoryUsage,
              const char* name)
 {
     if (bytes <= buffer.size())
-        return;
+        return false;
     if (buffer)
         frame.ring.waitForAll();
     buffer = gpu::Buffer(frame.device, bytes + bytes / 2, memoryUsage, name);
+    return true;
 }
 
 // Lumels around a point that the draw filter reads: the centres of the outermost lie half a lumel, one or
@@ -117,7 +118,8 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
     jobCount_ = uint32_t(table.size());
 
     using MemoryUsage = gpu::Buffer::MemoryUsage;
-    reserve(frame, marks_, 3 * tiles * sizeof(shared::Mark), MemoryUsage::device, "marks");
+    if (reserve(frame, marks_, 3 * tiles * sizeof(shared::Mark), MemoryUsage::device, "marks"))
+        marked_ = {};
     reserve(frame, tiles_, first * sizeof(shared::JobTile), MemoryUsage::device, "tiles");
     reserve(frame, jobs_, table.size() * sizeof(shared::Job), MemoryUsage::device, "jobs");
     gpu::Buffer& upload = uploads_[frame.place];
@@ -132,6 +134,7 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
 void PlanPass::writeObjects(Frame& frame, const LitPool& pool, const std::vector<ObjectJobs>& jobs)
 {
     auto* table = frame.scene.objectTable().mapped<shared::Object>(); // which is never read here
+    toMark_.objects.assign(jobs.size(), {});
     for (size_t i = 0; i < jobs.size(); ++i) {
         const tsl::ObjectResidency& resident = frame.residency.objects()[i];
         if (!resident.texture)
@@ -147,6 +150,7 @@ void PlanPass::writeObjects(Frame& frame, const LitPool& pool, const std::vector
         object.lowerJob = jobs[i].lower;
         std::copy(block.layout.tileOffsets.begin(), block.layout.tileOffsets.end(), object.tileOffsets);
         object.tiles = block.states.address() + block.stateOffset(resident.texture.layer);
+        toMark_.objects[i] = {object.tiles, resident.litLevel, resident.finest};
     }
 }
 
@@ -182,9 +186,23 @@ std::map<uint32_t, size_t> PlanPass::lumelsByTileSize(const gpu::Device& device,
     return lumels;
 }
 
-// Of all but what it keeps from frame to frame.
-void PlanPass::recordReset(vk::CommandBuffer commands)
+// Whether the list of marks has to be made anew.
+bool PlanPass::needsMarks(const Frame& frame, const FeedbackPass& feedback)
 {
+    toMark_.samples = feedback.frame();
+    toMark_.detail = frame.detail;
+    toMark_.reach = reachOf(frame.settings.filter);
+    if (frame.late && toMark_ == marked_)
+        return false;
+    marked_ = toMark_;
+    marking_ = marking_ % 0xffffu + 1;
+    return true;
+}
+
+// Of all but what it keeps from frame to frame. marks: they are to be made.
+void PlanPass::recordReset(vk::CommandBuffer commands, bool marks)
+{
+    const size_t first = marks ? 0 : offsetof(shared::Plan, chosen);
     constexpr size_t kKept = offsetof(shared::Plan, surfacesBefore);
     if (!std::exchange(planKnown_, true)) {
         commands.fillBuffer(plan_.handle(), 0, VK_WHOLE_SIZE, 0);
@@ -192,7 +210,7 @@ void PlanPass::recordReset(vk::CommandBuffer commands)
         commands.copyBuffer(plan_.handle(), plan_.handle(),
                             vk::BufferCopy{offsetof(shared::Plan, surfacesTaken), kKept, sizeof(uint32_t)});
         gpu::memoryBarrier(commands, gpu::Use::transferRead, gpu::Use::transferWrite);
-        commands.fillBuffer(plan_.handle(), 0, kKept, 0);
+        commands.fillBuffer(plan_.handle(), first, kKept - first, 0);
     }
     gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::transferWrite);
 }
@@ -201,7 +219,8 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
 {
     const PassScope scope(frame, "plan");
     const vk::CommandBuffer commands = frame.commands;
-    recordReset(commands);
+    const bool marks = needsMarks(frame, feedback);
+    recordReset(commands, marks);
     commands.fillBuffer(plan_.handle(), offsetof(shared::Plan, groups) + 2 * sizeof(uint32_t),
                         sizeof(uint32_t), 1);
     for (const size_t groups : {offsetof(shared::Plan, chosenGroups), offsetof(shared::Plan, unboundGroups)})
@@ -209,7 +228,7 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
     if (jobCount_ > 0)
         commands.copyBuffer(uploads_[frame.place].handle(), jobs_.handle(),
                             vk::BufferCopy{.size = jobCount_ * sizeof(shared::Job)});
-    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::computeReadWrite);
+    gpu::memoryBarrier(commands, gpu::Use::transferWrite, gpu::Use::indirectRead);
 
     const glm::uvec2 samples = feedback.samples();
     const Settings& settings = frame.settings;
@@ -220,36 +239,41 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
                                 .tiles = tiles_.address(),
                                 .samples = samples,
                                 .divisor = float(feedback.divisor()),
-                                .margin = feedback.margin(frame),
+                                .margin = feedback.margin(),
                                 .reach = reachOf(settings.filter),
                                 .objectCount = objectCount,
                                 .budgetQuads = frame.lumelBudget / shared::kQuadLumels,
                                 .refreshShare = settings.refreshShare,
                                 .tolerance = settings.tolerance,
                                 .markCapacity = uint32_t(marks_.size() / (3 * sizeof(shared::Mark))),
+                                .marking = marking_,
                                 .surfaces = surfaces_.next()};
     const auto bind = [&](const gpu::Pipeline& pipeline, std::initializer_list<vk::DescriptorSet> sets = {}) {
         bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, sets);
         pushConstants(commands, pipeline, push);
     };
     const auto wait = [&] { gpu::memoryBarrier(commands, gpu::Use::computeWrite, gpu::Use::indirectRead); };
-    bind(mark_, {feedback.set()});
-    dispatchList(commands, std::max(samples.x * samples.y, objectCount));
-    wait();
-    for (const gpu::Pipeline* pass : {frame.lumelBudget < ~0u ? &classifyWaiting_ : &classify_, &select_}) {
+    const auto run = [&](const gpu::Pipeline& pipeline, size_t groups) { // over a list, by its Plan's groups
+        bind(pipeline);
+        commands.dispatchIndirect(plan_.handle(), groups);
+        wait();
+    };
+    const auto count = [&] {
         bind(budget_);
         commands.dispatch(1, 1, 1);
         wait();
-        bind(*pass);
-        commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, groups));
+    };
+    if (marks) {
+        bind(mark_, {feedback.set()});
+        dispatchList(commands, std::max(samples.x * samples.y, objectCount));
         wait();
+        count();
     }
-    bind(bound_);
-    commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, unboundGroups));
-    wait();
-    bind(enlist_);
-    commands.dispatchIndirect(plan_.handle(), offsetof(shared::Plan, chosenGroups));
-    wait();
+    run(frame.lumelBudget < ~0u ? classifyWaiting_ : classify_, offsetof(shared::Plan, groups));
+    count();
+    run(select_, offsetof(shared::Plan, groups));
+    run(bound_, offsetof(shared::Plan, unboundGroups));
+    run(enlist_, offsetof(shared::Plan, chosenGroups));
 }
 
 void PlanPass::recordReadback(Frame& frame) const

@@ -50,8 +50,18 @@ private:
     struct ObjectJobs { // that an object's tiles belong to
         uint32_t light = 0, cached = 0, lower = 0;
     };
-    static void writeObjects(Frame& frame, const LitPool& pool, const std::vector<ObjectJobs>& jobs);
-    void recordReset(vk::CommandBuffer commands);
+    // What marks depend on beside the samples: where each object's tiles lie, and how finely it is lit.
+    struct Marked {
+        uint32_t samples = 0; // the frame that they are of, 0: none
+        tsl::Detail detail;
+        float reach = 0.0f;
+        std::vector<std::tuple<vk::DeviceAddress, uint32_t, float>>
+            objects; // tiles, level of MIP 0, finest MIP
+        bool operator==(const Marked&) const = default;
+    };
+    void writeObjects(Frame& frame, const LitPool& pool, const std::vector<ObjectJobs>& jobs);
+    bool needsMarks(const Frame& frame, const FeedbackPass& feedback);
+    void recordReset(vk::CommandBuffer commands, bool marks);
     uint32_t lightJobOf(const LightJob& job);
     uint32_t lowerJobOf(int block, uint32_t tail);
 
@@ -59,6 +69,8 @@ private:
     SurfaceCache surfaces_;
     gpu::Buffer plan_, jobs_, marks_, tiles_;
     bool planKnown_ = false; // what it keeps from frame to frame
+    Marked marked_, toMark_; // what the list of marks is of; this frame's
+    uint32_t marking_ = 0;   // number of the list
     std::array<gpu::Buffer, gpu::FrameRing::kMostFrames> readbacks_, uploads_;
     std::vector<LightJob> lightJobs_;
     std::vector<LowerJobs> lowerJobs_;

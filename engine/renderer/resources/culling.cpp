@@ -26,6 +26,27 @@ std::vector<uint8_t> objectsInView(const std::vector<GpuObject>& objects, const 
     return inView;
 }
 
+float motionInPixels(const std::vector<GpuObject>& objects, const std::vector<uint8_t>& inView,
+                     const std::vector<glm::mat4>& before, const glm::mat4& clipFromWorld, glm::uvec2 size)
+{
+    float farthest = 0.0f;
+    for (size_t i = 0; i < objects.size(); ++i) {
+        if (!inView[i])
+            continue;
+        const glm::mat4 now = clipFromWorld * objects[i].data.worldFromObject;
+        const Bounds& box = objects[i].bounds;
+        for (int point = 0; point < 9; ++point) {
+            const glm::vec4 place(point < 8 ? box.corner(point) : box.centre(), 1.0f);
+            const glm::vec4 from = before[i] * place, to = now * place;
+            if (from.w <= 0.0f || to.w <= 0.0f || std::max(std::abs(to.x), std::abs(to.y)) > to.w)
+                continue;
+            const glm::vec2 moved = glm::vec2(to) / to.w - glm::vec2(from) / from.w;
+            farthest = std::max(farthest, glm::length(0.5f * glm::vec2(size) * moved));
+        }
+    }
+    return farthest;
+}
+
 LightSet lightsReaching(const GpuObject& object, std::span<const shared::Light> lights)
 {
     const glm::mat4& m = object.data.worldFromObject;
