@@ -74,7 +74,7 @@ TEST_F(FlightTest, SteadyFramesWaitForNoneButTheRings)
     }
 }
 
-TEST_F(FlightTest, FastMotionIsLookedAtInEveryFrame)
+TEST_F(FlightTest, FastMotionIsLookedAtInEverySecondFrame)
 {
     const TestScene s = ballsScene();
     Renderer renderer(device(), s.scene, s.materials, lateSettings(2));
@@ -86,8 +86,8 @@ TEST_F(FlightTest, FastMotionIsLookedAtInEveryFrame)
     renderer.finish();
     std::ranges::move(renderer.takeFinished(), std::back_inserter(frames));
     ASSERT_EQ(frames.size(), 20u);
-    for (const FrameStats& frame : frames)
-        EXPECT_TRUE(frame.passMs.contains("feedback"));
+    const auto looks = [](const FrameStats& frame) { return frame.passMs.contains("feedback"); };
+    EXPECT_EQ(std::ranges::count_if(frames, looks), 10);
 }
 
 TEST_F(FlightTest, TheFirstFrameAndCutsShowWhatExactFramesShow)

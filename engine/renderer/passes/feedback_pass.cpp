@@ -70,10 +70,12 @@ void FeedbackPass::resize(const gpu::Device& device, glm::uvec2 size)
 
 bool FeedbackPass::serveAgain(const Frame& frame, uint32_t divisor)
 {
-    const bool fit = frame_ != 0 && served_ + 1 == frame.index && frame.index - frame_ < kMostFrames &&
-                     divisor == kSparse && divisor_ == kSparse && samples_ == samplesOf(frame, divisor);
-    if (!fit || motionInPixels(frame.scene.objects(), frame.inView, clipFromObject_, frame.clipFromWorld,
-                               frame.renderSize) > kMostMotion)
+    const uint32_t frames = frame.index - frame_; // that have drawn by them
+    if (frame_ == 0 || served_ + 1 != frame.index || divisor != kSparse || divisor_ != kSparse ||
+        samples_ != samplesOf(frame, divisor) || frames >= kMostFrames)
+        return false;
+    if (frames >= kLeastFrames && motionInPixels(frame.scene.objects(), frame.inView, clipFromObject_,
+                                                 frame.clipFromWorld, frame.renderSize) > kMostMotion)
         return false;
     served_ = frame.index;
     return true;

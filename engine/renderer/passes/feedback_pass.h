@@ -26,11 +26,11 @@ public:
     void prepare(const Frame& frame); // begins to make all pipelines that the scene can need
     // divisor: kDense, kSparse, or 1 for the first frame of a view that nothing is known of.
     void record(Frame& frame, uint32_t divisor);
-    // Whether sparse samples of an earlier frame do for this one too: until kMostFrames have drawn by them,
-    // or an object has moved by more than kMostMotion across the picture. Error and flicker of orbits of half
-    // a degree to two degrees a frame are those of samples in every frame.
+    // Whether sparse samples of an earlier frame do for this one too. They serve kLeastFrames, and
+    // kMostFrames while no object has moved by more than kMostMotion across the picture. Error and flicker of
+    // orbits of half a degree to two degrees a frame are those of samples in every frame.
     bool serveAgain(const Frame& frame, uint32_t divisor);
-    static constexpr uint32_t kMostFrames = 4;
+    static constexpr uint32_t kLeastFrames = 2, kMostFrames = 4;
     static constexpr float kMostMotion = 24.0f; // pixels
     // Pixels around what the samples stand for that may come into view before others are taken. Without them
     // silhouettes have too little light.
