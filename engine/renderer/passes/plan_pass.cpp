@@ -240,6 +240,7 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
                                 .samples = samples,
                                 .divisor = float(feedback.divisor()),
                                 .margin = feedback.margin(),
+                                .levelMargin = feedback.levelMargin(),
                                 .reach = reachOf(settings.filter),
                                 .objectCount = objectCount,
                                 .budgetQuads = frame.lumelBudget / shared::kQuadLumels,
