@@ -11,6 +11,12 @@ layout(local_size_x = 64) in;
 layout(set = 1, binding = 0, rgba32ui) uniform readonly uimage2D seen;
 
 const int kWidest = 32;             // quads along either axis that one sample may mark
+// Levels by which what is drawn may differ from the sample: by rounding, and the pixels of a block among themselves.
+// Where one reads a MIP that is not marked for it, the other MIP of its blend stands in: lumels without light have no
+// weight. A block's margin serves coarser MIPs alone, for finer ones take four times the lumels, and a pixel just finer
+// than the sample shows little of them.
+const float kRoundingMargin = 0.005;
+const float kBlockMargin = 0.1;
 const float kStraightReach = 0.5;   // lumels: of a bilinear lookup
 const uint kFallback = 3u;          // MIPs
 const int kTileQuads = int(kTileSize / kQuadSize); // along either axis
@@ -130,9 +136,8 @@ void main()
     float reach = straight ? min(push.reach, kStraightReach) : push.reach;
     vec2 axis = footprint.axis * (1.0 - 1.0 / float(footprint.taps)); // to the outermost taps
     float level = footprint.level + view.levelOffset;
-    // The pixels of a block differ in level. Where one reads a MIP that is not marked for it, the other MIP of its blend
-    // stands in: lumels without light have no weight.
-    float finest = mipPosition(object, level - push.levelMargin), coarsest = mipPosition(object, level + push.levelMargin);
+    float finest = mipPosition(object, level - kRoundingMargin);
+    float coarsest = mipPosition(object, level + (block ? kBlockMargin : kRoundingMargin));
     uint first = uint(finest);
     uint last = uint(coarsest) + (coarserWeight(coarsest) > 0.0 ? 1u : 0u);
     // The fallback is the last round of the same loop. There a quad is wider than two blocks of pixels.

@@ -61,7 +61,7 @@ struct Settings {
     float exposure = 1.0f;
     ToneMap toneMap = ToneMap::neutral;
     size_t poolBytes = size_t(512) << 20;
-    float levelOffset = 0.25f;       // levels that lumels are coarser than one per pixel, at least
+    float levelOffset = 0.2f;        // levels that lumels are coarser than one per pixel, at least
     float lumelsPerPixel = 2.8f;     // grazing angles lose detail before a view needs more
     uint32_t lumelBudget = ~0u;      // lit per frame at most, by quads
     float refreshShare = 0.155f;     // of the marked lumels, lit again per frame because the eye moved

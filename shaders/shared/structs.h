@@ -433,7 +433,6 @@ struct PlanPush {
     uvec2 samples;       // of the feedback pass
     float divisor;       // full-size pixels per sample, per axis
     float margin;        // pixels around those that are marked too
-    float levelMargin;   // levels around a sample's
     float reach;         // lumels around a point that the draw filter reads
     uint objectCount;
     uint budgetQuads;    // to light this frame

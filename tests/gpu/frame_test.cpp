@@ -132,6 +132,23 @@ TEST_F(FrameTest, AFacingQuadGetsTheAnalyticLevel)
     }
 }
 
+TEST_F(FrameTest, NoFinerMipThanIsDrawnIsLit)
+{
+    TestScene s;
+    s.add(planeMesh(), bumpyMaps(512, 1.0f, 100.0f));
+    s.scene.lights = {sun({0, 0, -1})};
+    Settings settings = settingsFor(Shading::tsl, {256, 256});
+    settings.levelOffset = 0.0f;
+    // As in the test before: levels a little above whole ones, whose finer neighbour has four times the
+    // lumels.
+    for (const float level : {1.03f, 1.06f, 1.09f}) {
+        const float distance = std::exp2(level) / 512.0f * 256.0f / (2.0f * std::tan(0.35f));
+        Renderer renderer(device(), s.scene, s.materials, settings);
+        EXPECT_LE(renderer.render(cameraAt({0.0f, 0.0f, distance})).lumelsLit, 512u * 512u * 65u / 64u + 64u)
+            << "level " << level;
+    }
+}
+
 TEST_F(FrameTest, AFloorMarksSeveralLevelsAndOnlyWhatIsSeen)
 {
     TestScene s;

@@ -95,7 +95,6 @@ protected:
                  .samples = {0, 0},
                  .divisor = 1.0f,
                  .margin = 0.0f,
-                 .levelMargin = 0.1f,
                  .reach = 2.0f,
                  .objectCount = objectCount_,
                  .budgetQuads = ~0u,

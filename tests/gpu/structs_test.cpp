@@ -227,7 +227,6 @@ TEST(SharedStructs, OffsetsEqualTheSpirvOffsets)
     EXPECT_OFFSET(PlanPush, tiles);
     EXPECT_OFFSET(PlanPush, samples);
     EXPECT_OFFSET(PlanPush, divisor);
-    EXPECT_OFFSET(PlanPush, levelMargin);
     EXPECT_OFFSET(PlanPush, reach);
     EXPECT_OFFSET(PlanPush, objectCount);
     EXPECT_OFFSET(PlanPush, budgetQuads);

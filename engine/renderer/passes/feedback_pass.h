@@ -35,9 +35,6 @@ public:
     // Pixels around what the samples stand for that may come into view before others are taken. Without them
     // silhouettes have too little light.
     float margin() const { return divisor_ == kSparse && late_ ? 1.0f : 0.0f; }
-    // Levels around a sample's that pixels of its block may need. Half as many light 7 % fewer lumels: where the
-    // view moves, at the error of before; where it rests, at up to 2 % more.
-    float levelMargin() const { return divisor_ == kSparse && late_ ? 0.05f : 0.1f; }
     uint32_t frame() const { return frame_; } // that the samples are of, 0: none
     // The same samples once more, at the frame's anisotropy of now.
     void recount(Frame& frame);

@@ -240,7 +240,6 @@ void PlanPass::record(Frame& frame, const FeedbackPass& feedback)
                                 .samples = samples,
                                 .divisor = float(feedback.divisor()),
                                 .margin = feedback.margin(),
-                                .levelMargin = feedback.levelMargin(),
                                 .reach = reachOf(settings.filter),
                                 .objectCount = objectCount,
                                 .budgetQuads = frame.lumelBudget / shared::kQuadLumels,
