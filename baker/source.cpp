@@ -4,6 +4,7 @@
 #include "shared/energy.h"
 #include "shared/lobe.h"
 #include <fmt/format.h>
+#include <limits>
 
 namespace lumel::baker {
 namespace {
@@ -35,6 +36,22 @@ void checkConstant(float value, float lowest, const char* name)
         throw Error(
             fmt::format("{} {}: must be a finite number of at least {}; change it", name, value, lowest));
 }
+
+// Neighbours often have one roughness, and logarithms take long.
+class PowerOfRoughness {
+public:
+    float operator()(float roughness)
+    {
+        if (roughness != roughness_) {
+            roughness_ = roughness;
+            power_ = shared::powerFromRoughness(roughness);
+        }
+        return power_;
+    }
+
+private:
+    float roughness_ = std::numeric_limits<float>::quiet_NaN(), power_ = 0.0f;
+};
 
 float clampPower(float power)
 {
@@ -179,6 +196,7 @@ void Source::readPowers(int y, int x0, int x1, Lobes& out, size_t at) const
         fill(out.syy, 1.0f / clampPower(maps_.powerConstant));
         return;
     }
+    PowerOfRoughness powerAlong, powerAcross;
     for (int x = x0; x < x1; ++x, ++at) {
         const auto lookUp = [&](const Image& from) {
             const auto get = [&](int i, int j) { return *from.at(i, j); };
@@ -187,14 +205,15 @@ void Source::readPowers(int y, int x0, int x1, Lobes& out, size_t at) const
                        : Sampler(*this, from.width, from.height, x, y).blend(get);
         };
         float along = aniso ? std::sqrt(pair.x * pair.y) : maps_.powerConstant, across;
-        if (!map.empty())
-            along = maps_.roughness.empty() ? lookUp(map) : shared::powerFromRoughness(lookUp(map));
-        across = along / ratio;
-        along *= ratio;
         if (!maps_.anisotropy.empty()) {
             const glm::vec2 rough = anisotropicRoughness(lookUp(map), lookUp(maps_.anisotropy));
-            along = shared::powerFromRoughness(rough.x);
-            across = shared::powerFromRoughness(rough.y);
+            along = powerAlong(rough.x);
+            across = powerAcross(rough.y);
+        } else {
+            if (!map.empty())
+                along = maps_.roughness.empty() ? lookUp(map) : powerAlong(lookUp(map));
+            across = along / ratio;
+            along *= ratio;
         }
         const float su = 1.0f / clampPower(along);
         const float sv = 1.0f / clampPower(across);
