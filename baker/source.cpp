@@ -261,11 +261,16 @@ void Source::read(int y, int x0, int x1, Lobes& out, size_t at) const
     readPowers(y, x0, x1, out, at);
     readColours(maps_.specular, maps_.specularConstant, y, x0, x1, out.ks, at);
     readColours(maps_.diffuse, maps_.diffuseConstant, y, x0, x1, out.kd, at);
+    glm::vec3 f0(-1.0f), covariance(0.0f), ks(0.0f); // of the texel before
     for (size_t i = at; i < at + size_t(x1 - x0); ++i) {
-        const glm::vec3 ks = shared::specularStrength({out.ks[0][i], out.ks[1][i], out.ks[2][i]},
-                                                      {out.sxx[i], out.sxy[i], out.syy[i]});
+        const glm::vec3 f(out.ks[0][i], out.ks[1][i], out.ks[2][i]), s(out.sxx[i], out.sxy[i], out.syy[i]);
+        if (f != f0 || s != covariance) {
+            ks = glm::min(shared::specularStrength(f, s), kMaxReflectance);
+            f0 = f;
+            covariance = s;
+        }
         for (int c = 0; c < 3; ++c)
-            out.ks[c][i] = std::min(ks[c], kMaxReflectance);
+            out.ks[c][i] = ks[c];
     }
 }
 
