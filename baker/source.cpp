@@ -263,7 +263,7 @@ void Source::read(int y, int x0, int x1, Lobes& out, size_t at) const
     readColours(maps_.diffuse, maps_.diffuseConstant, y, x0, x1, out.kd, at);
     glm::vec3 f0(-1.0f), covariance(0.0f), ks(0.0f); // of the texel before
     for (size_t i = at; i < at + size_t(x1 - x0); ++i) {
-        const glm::vec3 f(out.ks[0][i], out.ks[1][i], out.ks[2][i]), s(out.sxx[i], out.sxy[i], out.syy[i]);
+        const glm::vec3 f(out.ks[0][i], out.ks[1][i], out.ks[2][i]), s = out.covariance(i);
         if (f != f0 || s != covariance) {
             ks = glm::min(shared::specularStrength(f, s), kMaxReflectance);
             f0 = f;
