@@ -11,6 +11,20 @@ bool same(const Shape& a, const Shape& b)
     return a.nx == b.nx && a.ny == b.ny && a.sxx == b.sxx && a.sxy == b.sxy && a.syy == b.syy;
 }
 
+// Of sums, which are not negative.
+float largestOf(const float* sums, size_t count)
+{
+    constexpr size_t kLanes = 8; // side by side, for the compiler to vectorise
+    float lanes[kLanes] = {}, largest = 0.0f;
+    const size_t whole = count / kLanes * kLanes;
+    for (size_t k = 0; k < whole; k += kLanes)
+        for (size_t i = 0; i < kLanes; ++i)
+            lanes[i] = sums[k + i] > lanes[i] ? sums[k + i] : lanes[i];
+    for (size_t k = whole; k < count; ++k)
+        largest = std::max(largest, sums[k]);
+    return std::max(largest, *std::max_element(lanes, lanes + kLanes));
+}
+
 } // namespace
 
 void Patch::reset(const Nodes& newNodes, glm::ivec2 from, glm::ivec2 to, int channels)
@@ -56,7 +70,7 @@ void Patch::appendTo(NodeSet& to, std::vector<float>* sums, float factor, int ch
 {
     constexpr size_t kFew = 300; // points that are not worth merging
     const size_t first = to.size(), count = size();
-    const float peak = count > 0 ? *std::max_element(g.begin(), g.begin() + ptrdiff_t(count)) : 0.0f;
+    const float peak = largestOf(g.data(), count);
     to.resize(first + count);
     for (int c = 0; c < channels; ++c)
         sums[c].resize(first + count);

@@ -12,11 +12,14 @@ namespace {
 Image averaged(const Image& in, int width, int height)
 {
     Image out(width, height, 1);
+    std::vector<Footprint> columns;
+    for (int x = 0; x < width; ++x)
+        columns.emplace_back(x, width, in.width);
     tbb::parallel_for(tbb::blocked_range<int>(0, height, 16), [&](const auto& rows) {
         for (int y = rows.begin(); y < rows.end(); ++y) {
             const Footprint fy(y, height, in.height);
             for (int x = 0; x < width; ++x) {
-                const Footprint fx(x, width, in.width);
+                const Footprint& fx = columns[size_t(x)];
                 double sum = 0.0;
                 for (int j = fy.first; j < fy.last; ++j)
                     for (int i = fx.first; i < fx.last; ++i)

@@ -88,15 +88,21 @@ void CoarseCells::survey()
         for (int y = rows.begin(); y < rows.end(); ++y) {
             Part& part = parts[size_t(y)];
             source.read(y, 0, source.width(), lobes, 0);
+            float det = 0.0f, lowest = 0.0f, energy = 0.0f;
+            double narrow = 0.0;
             for (size_t m = 0; m < lobes.size(); ++m) {
                 const glm::vec2 l = lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]);
-                const float det = lobes.sxx[m] * lobes.syy[m] - lobes.sxy[m] * lobes.sxy[m];
-                const float lowest = lowestPower(lobes, m), energy = 1.0f / std::sqrt(det);
+                if (m == 0 || lobes.covariance(m) != lobes.covariance(m - 1)) {
+                    det = lobes.sxx[m] * lobes.syy[m] - lobes.sxy[m] * lobes.sxy[m];
+                    lowest = lowestPower(lobes, m);
+                    energy = 1.0f / std::sqrt(det);
+                    narrow = double(energy) / (double(det) * double(lowest));
+                }
                 const float radius = supportRadius(lobes.nz[m], lowest);
                 part.lower = glm::min(part.lower, l - radius);
                 part.upper = glm::max(part.upper, l + radius);
                 part.energy += double(energy);
-                part.energyNarrow += double(energy) / (double(det) * double(lowest));
+                part.energyNarrow += narrow;
                 part.ks += double(lobes.ks[0][m]) + double(lobes.ks[1][m]) + double(lobes.ks[2][m]);
             }
         }

@@ -7,6 +7,7 @@
 #include <bit>
 #include <fmt/format.h>
 #include <fstream>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace lumel::baker {
@@ -28,13 +29,16 @@ std::string firstLine(const std::string& text)
     return text.substr(0, text.find('\n'));
 }
 
-// Rounds to the nearest half float (11 significant bits) and back; |v| is at most kMaxHalf.
+// Rounds to the nearest half float (11 significant bits) and back, as floatsToHalf() does; |v| is at most
+// kMaxHalf.
 float roundToHalf(float v)
 {
-    if (std::abs(v) < 6.103515625e-5f) // subnormal halves are multiples of 2^-24
-        return std::nearbyint(v * 16777216.0f) / 16777216.0f;
-    const uint32_t bits = std::bit_cast<uint32_t>(v);
-    return std::bit_cast<float>((bits + 0xfffu + ((bits >> 13) & 1u)) & ~0x1fffu);
+    const uint32_t bits = std::bit_cast<uint32_t>(v), sign = bits & 0x80000000u, size = bits ^ sign;
+    const uint32_t normal = (size + 0xfffu + ((size >> 13) & 1u)) & ~0x1fffu;
+    // Subnormal halves are multiples of 2^-24, as floats from 0.5 to 1 are.
+    const uint32_t subnormal = std::bit_cast<uint32_t>((std::bit_cast<float>(size) + 0.5f) - 0.5f);
+    return std::bit_cast<float>((size < std::bit_cast<uint32_t>(6.103515625e-5f) ? subnormal : normal) |
+                                sign);
 }
 
 // One lobe as it is stored: the first five channels and three of Ks.
@@ -111,31 +115,49 @@ private:
     void writeBand(int width, int firstRow, int count, const float* texels, const float* second)
     {
         const size_t channels = kChannels + (secondLobes_ ? size_t(kSecondChannels) : 0);
-        band_.resize(size_t(width) * size_t(count) * channels);
-        tbb::parallel_for(size_t(0), size_t(count), [&](size_t row) {
-            for (size_t i = row * size_t(width); i < (row + 1) * size_t(width); ++i) {
-                float* to = &band_[i * channels];
-                std::copy_n(texels + i * kChannels, +kChannels, to);
+        const size_t values = size_t(width) * channels; // of a row
+        floats_.resize(asFloat_ ? values * size_t(count) : 0);
+        halves_.resize(asFloat_ ? 0 : values * size_t(count));
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, size_t(count)), [&](const auto& rows) {
+            std::vector<float> own(asFloat_ ? 0 : values);
+            for (size_t row = rows.begin(); row < rows.end(); ++row) {
+                const size_t first = row * size_t(width);
+                float* to = asFloat_ ? &floats_[row * values] : own.data();
+                joinRow(texels + first * kChannels, second ? second + first * kSecondChannels : nullptr,
+                        size_t(width), to);
                 if (!asFloat_)
-                    quantise(to);
-                if (!secondLobes_)
-                    continue;
-                std::copy_n(second ? second + i * kSecondChannels : kNoSecondLobe, +kSecondChannels,
-                            to + kChannels);
-                if (!asFloat_)
-                    quantiseSecond(to + kChannels);
+                    floatsToHalf(own, &halves_[row * values]);
             }
         });
-        if (!output_->write_tiles(0, width, firstRow, firstRow + count, 0, 1, OIIO::TypeDesc::FLOAT,
-                                  band_.data()))
+        const void* band = asFloat_ ? static_cast<const void*>(floats_.data()) : halves_.data();
+        if (!output_->write_tiles(0, width, firstRow, firstRow + count, 0, 1,
+                                  asFloat_ ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::HALF, band))
             fail(output_->geterror());
+    }
+
+    // All channels of one texel after the other.
+    void joinRow(const float* texels, const float* second, size_t width, float* to) const
+    {
+        for (size_t x = 0; x < width; ++x, texels += kChannels) {
+            std::copy_n(texels, +kChannels, to);
+            if (!asFloat_)
+                quantise(to);
+            to += kChannels;
+            if (!secondLobes_)
+                continue;
+            std::copy_n(second ? second + x * kSecondChannels : kNoSecondLobe, +kSecondChannels, to);
+            if (!asFloat_)
+                quantiseSecond(to);
+            to += kSecondChannels;
+        }
     }
 
     std::filesystem::path name_, temporary_;
     const ReflectanceMips& mips_;
     bool asFloat_, secondLobes_ = false;
     std::unique_ptr<OIIO::ImageOutput> output_;
-    std::vector<float> band_;
+    std::vector<float> floats_; // of a band, in one of these
+    std::vector<uint16_t> halves_;
 };
 
 [[noreturn]] void reject(const std::string& name, const std::string& why)

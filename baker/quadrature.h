@@ -3,6 +3,7 @@
 // exponentially for such functions once its spacing falls below the width (Trefethen and Weideman
 // 2014, "The exponentially convergent trapezoidal rule").
 #pragma once
+#include "core/uninitialised.h"
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
@@ -12,8 +13,8 @@ namespace lumel::baker {
 
 // Nodes as arrays; pad() appends nodes of no area, one at least, up to a multiple of the widest vector.
 struct NodeSet {
-    std::vector<float> x, y, z; // unit half vectors
-    std::vector<float> area;    // of the disc
+    UninitialisedArray<float> x, y, z; // unit half vectors
+    UninitialisedArray<float> area;    // of the disc
     size_t size() const { return x.size(); }
     void clear();
     void resize(size_t count);

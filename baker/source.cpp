@@ -4,6 +4,7 @@
 #include "shared/energy.h"
 #include "shared/lobe.h"
 #include <fmt/format.h>
+#include <limits>
 
 namespace lumel::baker {
 namespace {
@@ -35,6 +36,22 @@ void checkConstant(float value, float lowest, const char* name)
         throw Error(
             fmt::format("{} {}: must be a finite number of at least {}; change it", name, value, lowest));
 }
+
+// Neighbours often have one roughness, and logarithms take long.
+class PowerOfRoughness {
+public:
+    float operator()(float roughness)
+    {
+        if (roughness != roughness_) {
+            roughness_ = roughness;
+            power_ = shared::powerFromRoughness(roughness);
+        }
+        return power_;
+    }
+
+private:
+    float roughness_ = std::numeric_limits<float>::quiet_NaN(), power_ = 0.0f;
+};
 
 float clampPower(float power)
 {
@@ -179,6 +196,7 @@ void Source::readPowers(int y, int x0, int x1, Lobes& out, size_t at) const
         fill(out.syy, 1.0f / clampPower(maps_.powerConstant));
         return;
     }
+    PowerOfRoughness powerAlong, powerAcross;
     for (int x = x0; x < x1; ++x, ++at) {
         const auto lookUp = [&](const Image& from) {
             const auto get = [&](int i, int j) { return *from.at(i, j); };
@@ -187,14 +205,15 @@ void Source::readPowers(int y, int x0, int x1, Lobes& out, size_t at) const
                        : Sampler(*this, from.width, from.height, x, y).blend(get);
         };
         float along = aniso ? std::sqrt(pair.x * pair.y) : maps_.powerConstant, across;
-        if (!map.empty())
-            along = maps_.roughness.empty() ? lookUp(map) : shared::powerFromRoughness(lookUp(map));
-        across = along / ratio;
-        along *= ratio;
         if (!maps_.anisotropy.empty()) {
             const glm::vec2 rough = anisotropicRoughness(lookUp(map), lookUp(maps_.anisotropy));
-            along = shared::powerFromRoughness(rough.x);
-            across = shared::powerFromRoughness(rough.y);
+            along = powerAlong(rough.x);
+            across = powerAcross(rough.y);
+        } else {
+            if (!map.empty())
+                along = maps_.roughness.empty() ? lookUp(map) : powerAlong(lookUp(map));
+            across = along / ratio;
+            along *= ratio;
         }
         const float su = 1.0f / clampPower(along);
         const float sv = 1.0f / clampPower(across);
@@ -242,11 +261,16 @@ void Source::read(int y, int x0, int x1, Lobes& out, size_t at) const
     readPowers(y, x0, x1, out, at);
     readColours(maps_.specular, maps_.specularConstant, y, x0, x1, out.ks, at);
     readColours(maps_.diffuse, maps_.diffuseConstant, y, x0, x1, out.kd, at);
+    glm::vec3 f0(-1.0f), covariance(0.0f), ks(0.0f); // of the texel before
     for (size_t i = at; i < at + size_t(x1 - x0); ++i) {
-        const glm::vec3 ks = shared::specularStrength({out.ks[0][i], out.ks[1][i], out.ks[2][i]},
-                                                      {out.sxx[i], out.sxy[i], out.syy[i]});
+        const glm::vec3 f(out.ks[0][i], out.ks[1][i], out.ks[2][i]), s = out.covariance(i);
+        if (f != f0 || s != covariance) {
+            ks = glm::min(shared::specularStrength(f, s), kMaxReflectance);
+            f0 = f;
+            covariance = s;
+        }
         for (int c = 0; c < 3; ++c)
-            out.ks[c][i] = std::min(ks[c], kMaxReflectance);
+            out.ks[c][i] = ks[c];
     }
 }
 

@@ -11,6 +11,7 @@ struct Lobes {
     std::vector<float> sxx, sxy, syy; // roughness covariance
     std::vector<float> ks[3], kd[3];
     size_t size() const { return nx.size(); }
+    glm::vec3 covariance(size_t m) const { return {sxx[m], sxy[m], syy[m]}; }
     void resize(size_t count);
     // Copies `other` to the entries from `at` on; grows as needed.
     void append(const Lobes& other, size_t at);

@@ -50,7 +50,7 @@ struct BakeArguments {
     float power = 200.0f;
     std::vector<float> anisotropicPower; // along T and B; empty = isotropic
     baker::Wrap wrap = baker::Wrap::repeat;
-    baker::Options options;
+    baker::Options options{.lobes = baker::LobeCount::automatic};
     bool asFloat = false;
     std::vector<std::filesystem::path> reports; // .json, .html
     std::filesystem::path manifest;             // bakes what it lists, in place of all others
@@ -78,7 +78,7 @@ struct SceneArguments {
     std::vector<std::pair<std::string, std::filesystem::path>> materialFiles; // name, baked file
     baker::Method filter = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;
-    baker::LobeCount lobes = baker::LobeCount::one;
+    baker::LobeCount lobes = baker::LobeCount::automatic;
     bool useCache = true;
     bool quick = false; // materials that are not in the cache are not baked
     int threads = 0;

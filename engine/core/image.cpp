@@ -175,18 +175,6 @@ Image upscaled(const Image& image, int width, int height)
     return result;
 }
 
-void floatsToHalf(std::span<const float> from, uint16_t* to)
-{
-    OIIO::convert_pixel_values(OIIO::TypeDesc::FLOAT, from.data(), OIIO::TypeDesc::HALF, to,
-                               int(from.size()));
-}
-
-void halfToFloats(std::span<const uint16_t> from, float* to)
-{
-    OIIO::convert_pixel_values(OIIO::TypeDesc::HALF, from.data(), OIIO::TypeDesc::FLOAT, to,
-                               int(from.size()));
-}
-
 float srgbToLinear(float encoded)
 {
     return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);

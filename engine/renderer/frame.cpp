@@ -211,6 +211,18 @@ void Renderer::setEnvironment(std::shared_ptr<const EnvironmentMap> environment)
     preparePipelines();
 }
 
+void Renderer::changeMaterial(size_t material)
+{
+    scene_.changeMaterial(material, frameIndex_ + 1);
+    preparePipelines();
+}
+
+void Renderer::expectSecondLobes(const std::set<size_t>& materials)
+{
+    scene_.expectSecondLobes(materials);
+    preparePipelines();
+}
+
 // All that frames can need, so that none waits for a driver to compile one: on threads of their own, while
 // whatever comes before the first frame that uses them runs.
 void Renderer::preparePipelines()

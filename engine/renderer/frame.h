@@ -60,7 +60,9 @@ public:
         scene_.moveObject(object, worldFromObject, frameIndex_ + 1);
     }
     // Whose maps hold something else from the next frame on.
-    void changeMaterial(size_t material) { scene_.changeMaterial(material, frameIndex_ + 1); }
+    void changeMaterial(size_t material);
+    // So that their pipelines are there when changeMaterial() tells that they have them.
+    void expectSecondLobes(const std::set<size_t>& materials);
     void deform(const scene::Shapes& shapes) { scene_.deform(shapes, frameIndex_ + 1); }
 
     // Of the last frame, in the scene's order; without names.

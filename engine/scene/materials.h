@@ -21,7 +21,7 @@ struct BakedMaterial {
 struct MaterialOptions {
     baker::Method method = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;
-    baker::LobeCount lobes = baker::LobeCount::one; // of the method fit
+    baker::LobeCount lobes = baker::LobeCount::automatic; // of the method fit
     bool useCache = true;
     int threads = 0;    // 0 = all cores
     bool quick = false; // what is not in the cache is not baked: its placeholder stays, which is said

@@ -64,6 +64,7 @@ void ViewRenderers::setScene(scene::LoadedScene loaded, const ui::ViewState& sta
         materials_ = {{loaded.options.method,
                        {.baked = loaded.materials,
                         .placeholders = loaded.placeholders,
+                        .options = loaded.options,
                         .uploaded = resources.materials}}};
     }
     environment_ = resources.environment;
@@ -294,6 +295,7 @@ bool ViewRenderers::render(const ui::ViewState& state, glm::uvec2 size, SceneRep
         if (isReference_[i])
             continue;
         rendered = renderSlot(slot, state, stop) || rendered;
+        expectSecondLobes(slot, state.sides[i].shading);
         settled = settled && isDone(slot);
         report.sides[i].stats = slot.stats;
     }

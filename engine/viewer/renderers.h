@@ -90,6 +90,7 @@ private:
         bool refined = false;  // by the last frame
         bool rendered = false; // up to date
         bool stale = false;    // no more, from the next frame on
+        bool expects = false;  // was told which materials may gain second lobes
         std::chrono::steady_clock::time_point changed;
         std::optional<LuminanceHistogram> metered; // of that view
         scene::Camera camera;
@@ -100,6 +101,7 @@ private:
     struct Bake {
         std::shared_ptr<const std::vector<scene::BakedMaterial>> baked;
         std::set<size_t> placeholders;
+        scene::MaterialOptions options;
         std::shared_ptr<MaterialResources> uploaded; // when first shown
     };
     static constexpr size_t kReference = 2;
@@ -108,6 +110,8 @@ private:
     template<class Asked>
     std::optional<baker::Method> firstOf(const ui::ViewState& state, const Asked& asked) const;
     void replace(Bake& bake, baker::Method method, size_t material, const scene::Reflectance& reflectance);
+    bool upload(const Bake& bake, size_t material, const scene::Reflectance& reflectance);
+    void expectSecondLobes(Slot& slot, Shading shading);
     SceneResources resourcesOf(baker::Method method); // of materials that are there
     static void restart(Slot& slot);
     void prepare(Slot& slot, const ui::ViewState& state, baker::Method method, const Settings& settings);

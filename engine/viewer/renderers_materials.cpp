@@ -1,12 +1,14 @@
 // The materials of the viewer's renderers: by filter, as placeholders and as baked.
+#include "core/error.h"
 #include "renderers.h"
+#include <spdlog/spdlog.h>
 
 namespace lumel {
 namespace {
 
 bool sameSizes(const scene::Reflectance& a, const scene::Reflectance& b)
 {
-    return a.size() == b.size() && a.base.size() == b.base.size() && a.second.size() == b.second.size();
+    return a.size() == b.size() && a.base.size() == b.base.size();
 }
 
 } // namespace
@@ -31,7 +33,10 @@ void ViewRenderers::addMaterials(scene::LoadedScene loaded)
         return;
     }
     const std::lock_guard lock(materialsMutex_);
-    materials_[method] = {.baked = loaded.materials, .placeholders = loaded.placeholders, .uploaded = {}};
+    materials_[method] = {.baked = loaded.materials,
+                          .placeholders = loaded.placeholders,
+                          .options = loaded.options,
+                          .uploaded = {}};
 }
 
 void ViewRenderers::replace(baker::Method method, const std::vector<scene::FinishedBake>& bakes)
@@ -47,31 +52,50 @@ void ViewRenderers::replace(baker::Method method, const std::vector<scene::Finis
 void ViewRenderers::replace(Bake& bake, baker::Method method, size_t material,
                             const scene::Reflectance& reflectance)
 {
-    auto baked = std::make_shared<std::vector<scene::BakedMaterial>>(*bake.baked); // which share their texels
-    const scene::Reflectance before = std::exchange((*baked)[material].reflectance, reflectance);
+    const bool fits = upload(bake, material, reflectance);
     {
+        auto baked = std::make_shared<std::vector<scene::BakedMaterial>>(*bake.baked); // share their texels
+        if (fits)
+            (*baked)[material].reflectance = reflectance;
         const std::lock_guard lock(materialsMutex_);
         bake.baked = std::move(baked);
         bake.placeholders.erase(material);
     }
-    if (!bake.uploaded)
+    if (!bake.uploaded || !fits)
         return;
-    if (!sameSizes(before, reflectance)) { // second lobes, which have maps and pipelines of their own
-        for (Slot& slot : slots_)
-            if (slot.method == method)
-                restart(slot);
-        bake.uploaded.reset();
-        return;
-    }
-    bake.uploaded->replace(device_, material, before, reflectance);
     for (Slot& slot : slots_)
         if (slot.renderer && slot.method == method) {
             slot.renderer->changeMaterial(material);
+            if (slot.exact)
+                slot.exact->changeMaterial(material);
             slot.metered.reset();
             // A picture of full quality is followed by another.
             slot.stale = slot.stale || !slot.isExact;
             slot.isExact = false;
         }
+}
+
+// What is shown, if anything. False, and the material stays as it is, where it does not fit into memory.
+bool ViewRenderers::upload(const Bake& bake, size_t material, const scene::Reflectance& reflectance)
+{
+    try {
+        if (bake.uploaded)
+            bake.uploaded->replace(device_, material, (*bake.baked)[material].reflectance, reflectance);
+        return true;
+    } catch (const Error& e) {
+        spdlog::warn("material '{}' stays as it is shown: {}", scene_->materials[material].name, e.what());
+        return false;
+    }
+}
+
+// Once a side shows what it is to show: what it will need later compiles after what it needed first.
+void ViewRenderers::expectSecondLobes(Slot& slot, Shading shading)
+{
+    if (!slot.rendered || slot.renderer->settings().shading != shading || std::exchange(slot.expects, true))
+        return;
+    const Bake& bake = materials_.at(slot.method);
+    if (slot.method == baker::Method::fit && bake.options.lobes != baker::LobeCount::one)
+        slot.renderer->expectSecondLobes(bake.placeholders);
 }
 
 bool ViewRenderers::setMaterials(const scene::LoadedScene& loaded)

@@ -82,8 +82,9 @@ TEST_F(Bake, WritesEveryLevelAsTheFormatSays)
 
     const auto input = OIIO::ImageInput::open((folder_ / "out.exr").string());
     ASSERT_TRUE(input) << OIIO::geterror();
-    const std::set<std::string> channels{"N.x",  "N.y",  "S.xx", "S.xy", "S.yy", "Ks.R",
-                                         "Ks.G", "Ks.B", "Kd.R", "Kd.G", "Kd.B", "E"};
+    const std::set<std::string> channels{"N.x",   "N.y",   "S.xx",  "S.xy",  "S.yy",  "Ks.R", "Ks.G",
+                                         "Ks.B",  "Kd.R",  "Kd.G",  "Kd.B",  "E",     "N2.x", "N2.y",
+                                         "S2.xx", "S2.xy", "S2.yy", "Ks2.R", "Ks2.G", "Ks2.B"};
     const int sizes[][2] = {{96, 40}, {48, 20}, {24, 10}, {12, 5},
                             {6, 2},   {3, 1},   {1, 1}}; // floor(size / 2^L)
     int level = 0;

@@ -87,6 +87,87 @@ TEST_F(SharingTest, MaterialsThatAreReplacedAreLitAgainInThePlaceOfTheOld)
     }
 }
 
+// A plane whose texels have second lobes, or none, as a renderer shows it that began with the other.
+struct Exchanged {
+    TestScene scene;
+    SceneResources resources;
+    std::unique_ptr<Renderer> renderer;
+    scene::Reflectance before, after;
+
+    Exchanged(baker::LobeCount from, baker::LobeCount to, const Settings& settings)
+    {
+        const baker::Maps maps = bumpyMaps(256, 0.3f, 200.0f);
+        scene.add(planeMesh(4), maps);
+        scene.add(sphereMesh(), plainMaps(), glm::translate(glm::mat4(1.0f), {0.0f, 0.0f, 0.5f}));
+        scene.scene.lights = {sun({-0.4f, -0.5f, -1.0f})};
+        before = scene.materials[0].reflectance = baker::bake(maps, {.lobes = from});
+        after = baker::bake(maps, {.lobes = to});
+        resources = uploadScene(device(), scene.scene, scene.materials);
+        renderer = std::make_unique<Renderer>(device(), scene.scene, resources, settings);
+    }
+
+    Image frame(Renderer& of) const
+    {
+        of.render(cameraAt({0.0f, -5.0f, 4.0f}));
+        return of.readDisplay();
+    }
+
+    // Lit from the surface cache, as the sun has moved.
+    Image litAgain(Renderer& of) const
+    {
+        for (int i = 0; i < 10; ++i)
+            frame(of);
+        of.setLights({sun({0.5f, -0.2f, -1.0f})});
+        return frame(of);
+    }
+};
+
+uint64_t bytesOfSecondLobes(const scene::Reflectance& reflectance)
+{
+    return reflectance.second.byteCount() + reflectance.secondSpecular.byteCount();
+}
+
+TEST_F(SharingTest, SecondLobesComeAndGoInThePlaceOfTheOld)
+{
+    using enum baker::LobeCount;
+    for (const auto& [from, to] : {std::pair(one, two), std::pair(two, one)})
+        for (const Shading shading : {Shading::tsl, Shading::forward}) {
+            Exchanged e(from, to, settingsFor(shading));
+            ASSERT_NE(e.before.hasSecond(), e.after.hasSecond());
+            for (int i = 0; i < 10; ++i)
+                e.frame(*e.renderer);
+            const gpu::MemoryReport memory = device().memory().report();
+            e.resources.materials->replace(device(), 0, e.before, e.after);
+            e.renderer->changeMaterial(0);
+            const double gained = double(device().memory().report().usedBytes()) - double(memory.usedBytes());
+            const double second = double(bytesOfSecondLobes(e.after)) - double(bytesOfSecondLobes(e.before));
+            EXPECT_NEAR(gained / second, 1.0, 0.2);
+            const Image after = e.frame(*e.renderer);
+            e.scene.materials[0].reflectance = e.after;
+            Renderer fresh(device(), e.scene.scene, e.scene.materials, settingsFor(shading));
+            EXPECT_TRUE(after.pixels == e.frame(fresh).pixels) << int(shading);
+            EXPECT_TRUE(e.litAgain(*e.renderer).pixels == e.litAgain(fresh).pixels) << int(shading);
+        }
+}
+
+TEST_F(SharingTest, SecondLobesThatAreExpectedHaveTheirPipelines)
+{
+    for (const Shading shading : {Shading::tsl, Shading::forward}) {
+        Settings settings = settingsFor(shading);
+        settings.budgetMs = 40.0;
+        Exchanged e(baker::LobeCount::one, baker::LobeCount::two, settings);
+        e.renderer->expectSecondLobes({0});
+        for (int i = 0; i < 6; ++i)
+            e.frame(*e.renderer);
+        const uint64_t created = gpu::hostWork().pipelinesCreated;
+        e.resources.materials->replace(device(), 0, e.before, e.after);
+        e.renderer->changeMaterial(0);
+        for (int i = 0; i < 10; ++i)
+            e.frame(*e.renderer);
+        EXPECT_EQ(gpu::hostWork().pipelinesCreated, created) << int(shading);
+    }
+}
+
 // As `bench --objects` does.
 TEST_F(SharingTest, APartOfTheObjectsUsesTheResourcesOfAll)
 {

@@ -92,10 +92,15 @@ GpuObject makeObject(const scene::Scene& scene, const scene::Object& object, con
                      .casts = !blend && !emits};
     if (object.deformed >= 0)
         result.data.flags |= shared::kObjectDeformed;
-    if (result.material->second)
-        result.data.flags |= shared::kObjectSecondLobe;
+    takeLobes(result);
     place(result, object.worldFromObject, deformed);
     return result;
+}
+
+void takeLobes(GpuObject& object)
+{
+    object.data.flags &= ~shared::kObjectSecondLobe;
+    object.data.flags |= object.material->second ? shared::kObjectSecondLobe : 0u;
 }
 
 bool place(GpuObject& object, const glm::mat4& worldFromObject, const DeformedMeshes& deformed)

@@ -39,5 +39,7 @@ GpuObject makeObject(const scene::Scene& scene, const scene::Object& object, con
 bool place(GpuObject& object, const glm::mat4& worldFromObject, const DeformedMeshes& deformed);
 // Follows its deformed mesh, where it has one: its box and its winding.
 void takeShape(GpuObject& object, const DeformedMeshes& deformed);
+// Follows its material, which may gain or lose second lobes.
+void takeLobes(GpuObject& object);
 
 } // namespace lumel

@@ -6,7 +6,21 @@
 namespace lumel {
 namespace {
 
-constexpr size_t kMaps = 8; // of a material
+constexpr size_t kMaps = 8; // of a material; those of second lobes are the last
+
+// Maps of second lobes, where there are any.
+struct SecondLobeMaps {
+    gpu::Image second, specular;
+};
+
+SecondLobeMaps uploadSecondLobes(gpu::UploadBatch& batch, const scene::Reflectance& reflectance,
+                                 const std::string& name)
+{
+    if (!reflectance.hasSecond())
+        return {};
+    return {uploadChain(batch, reflectance.second, name + " second lobe"),
+            uploadChain(batch, reflectance.secondSpecular, name + " second specular")};
+}
 
 // By scene::Wrap.
 constexpr std::array kAddressModes = {vk::SamplerAddressMode::eRepeat,
@@ -45,18 +59,30 @@ MaterialResources::MaterialResources(const gpu::Device& device, const scene::Sce
 void MaterialResources::replace(const gpu::Device& device, size_t material, const scene::Reflectance& before,
                                 const scene::Reflectance& after)
 {
-    const GpuMaterial& maps = materials_[material];
+    GpuMaterial& maps = materials_[material];
+    const bool keepsSecond = before.second.size() == after.second.size();
+    SecondLobeMaps second; // before the batch: it must not outlive what it fills
     gpu::UploadBatch batch(device);
-    const scene::FirstLobeMaps old = scene::firstLobeMaps(before), now = scene::firstLobeMaps(after);
+    if (!keepsSecond)
+        second = uploadSecondLobes(batch, after, maps.name);
+    // Beside second lobes, first ones are stored in another way.
+    const auto old = keepsSecond ? scene::firstLobeMaps(before) : scene::FirstLobeMaps();
+    const auto now = scene::firstLobeMaps(after);
     refillChain(batch, maps.normal, old.normal, now.normal);
     refillChain(batch, maps.specular, old.specular, now.specular);
     refillChain(batch, maps.diffuse, before.diffuse, after.diffuse);
     refillChain(batch, maps.base, before.base, after.base);
-    if (maps.second) {
+    if (keepsSecond && maps.second) {
         refillChain(batch, maps.second, before.second, after.second);
         refillChain(batch, maps.secondSpecular, before.secondSpecular, after.secondSpecular);
     }
     batch.finish();
+    if (keepsSecond)
+        return;
+    // No frame uses the set: the batch was submitted after all of them, and has finished.
+    maps.second = std::move(second.second);
+    maps.secondSpecular = std::move(second.specular);
+    writeSecondLobes(device, maps);
 }
 
 vk::Sampler MaterialResources::samplerOf(const scene::UvMapping& uv) const
@@ -72,25 +98,35 @@ void MaterialResources::upload(const gpu::Device& device, gpu::UploadBatch& batc
         return uploadChain(batch, chain, source.name + what);
     };
     const scene::FirstLobeMaps first = scene::firstLobeMaps(baked.reflectance);
+    material.name = source.name;
+    material.sampler = samplerOf(source.uv);
     material.normal = image(first.normal, " normal");
     material.specular = image(first.specular, " specular");
     material.diffuse = image(baked.reflectance.diffuse, " diffuse");
     material.emissive = image(baked.emissive, " emissive");
     material.opacity = image(baked.opacity, " opacity");
     material.base = image(baked.reflectance.base, " base");
-    if (baked.reflectance.hasSecond()) {
-        material.second = image(baked.reflectance.second, " second lobe");
-        material.secondSpecular = image(baked.reflectance.secondSpecular, " second specular");
-    }
+    SecondLobeMaps second = uploadSecondLobes(batch, baked.reflectance, source.name);
+    material.second = std::move(second.second);
+    material.secondSpecular = std::move(second.specular);
     material.set = gpu::makeSet(device, pool_, layout_);
     uint32_t binding = 0;
     for (const gpu::Image* map : {&material.normal, &material.specular, &material.diffuse, &material.emissive,
-                                  &material.opacity, &material.base,
-                                  // Nothing reads these of a material of one lobe.
-                                  material.second ? &material.second : &material.normal,
-                                  material.second ? &material.secondSpecular : &material.specular})
+                                  &material.opacity, &material.base})
         gpu::writeSampled(device, *material.set, binding++,
-                          samplerOf(map == &material.emissive ? source.emissionUv : source.uv), map->view());
+                          map == &material.emissive ? samplerOf(source.emissionUv) : material.sampler,
+                          map->view());
+    writeSecondLobes(device, material);
+}
+
+// Nothing reads these of a material of one lobe.
+void MaterialResources::writeSecondLobes(const gpu::Device& device, const GpuMaterial& material)
+{
+    const bool two = bool(material.second);
+    uint32_t binding = kMaps - 2;
+    for (const gpu::Image* map :
+         {two ? &material.second : &material.normal, two ? &material.secondSpecular : &material.specular})
+        gpu::writeSampled(device, *material.set, binding++, material.sampler, map->view());
 }
 
 } // namespace lumel

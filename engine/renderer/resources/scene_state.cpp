@@ -35,8 +35,24 @@ void SceneState::deform(const scene::Shapes& shapes, uint32_t frame)
 void SceneState::changeMaterial(size_t material, uint32_t frame)
 {
     for (GpuObject& object : objects_)
-        if (object.material == &resources_.materials->all()[material])
+        if (object.material == &resources_.materials->all()[material]) {
+            takeLobes(object);
+            kinds_.insert(kindOf(object));
             object.data.changed = changed_ = frame;
+        }
+}
+
+void SceneState::expectSecondLobes(const std::set<size_t>& materials)
+{
+    std::set<const GpuMaterial*> expected;
+    for (const size_t material : materials)
+        expected.insert(&resources_.materials->all()[material]);
+    for (const GpuObject& object : objects_)
+        if (expected.contains(object.material)) {
+            SurfaceKind kind = kindOf(object);
+            kind.features |= shared::kFeatureSecondLobe;
+            kinds_.insert(kind);
+        }
 }
 
 bool SceneState::changedSince(size_t object, uint32_t frame) const

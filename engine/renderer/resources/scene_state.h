@@ -16,7 +16,8 @@ public:
     SceneState& operator=(const SceneState&) = delete;
 
     const std::vector<GpuObject>& objects() const { return objects_; }
-    const std::set<SurfaceKind>& surfaceKinds() const { return kinds_; } // of the objects
+    // Of the objects, as they are, were or are expected to be.
+    const std::set<SurfaceKind>& surfaceKinds() const { return kinds_; }
     const gpu::SetLayout& materialLayout() const { return resources_.materials->layout(); }
     FrameSet& frameSet() { return frameSet_; }
     const FrameSet& frameSet() const { return frameSet_; }
@@ -29,6 +30,8 @@ public:
     void moveObject(size_t object, const glm::mat4& worldFromObject, uint32_t frame);
     void deform(const scene::Shapes& shapes, uint32_t frame); // all that has joints or morph targets
     void changeMaterial(size_t material, uint32_t frame);
+    // Materials that may gain second lobes.
+    void expectSecondLobes(const std::set<size_t>& materials);
     uint32_t moved() const { return changed_; } // frame of the last change to objects
     // Frame of the last change to lights or objects.
     uint32_t changed() const { return std::max(changed_, lights_.changed()); }

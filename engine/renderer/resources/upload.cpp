@@ -25,7 +25,8 @@ void refillChain(gpu::UploadBatch& batch, const gpu::Image& image, const scene::
                  const scene::HalfChain& after)
 {
     uint32_t first = 0;
-    while (first < after.levels() && std::ranges::equal(before.texels(first), after.texels(first)))
+    while (first < std::min(before.levels(), after.levels()) &&
+           std::ranges::equal(before.texels(first), after.texels(first)))
         ++first;
     if (first < after.levels())
         batch.refill(image, first, levelsOf(after));

@@ -7,7 +7,8 @@
 namespace lumel {
 
 gpu::Image uploadChain(gpu::UploadBatch& batch, const scene::HalfChain& chain, const std::string& name);
-// Of one that holds `before`, of the same size: levels that do not differ are left out.
+// Of one of this size that holds `before`, whose levels that do not differ are left out; empty: all are
+// filled.
 void refillChain(gpu::UploadBatch& batch, const gpu::Image& image, const scene::HalfChain& before,
                  const scene::HalfChain& after);
 // Of vertices, four half floats each; nothing where there are none.

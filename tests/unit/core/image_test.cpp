@@ -97,6 +97,42 @@ TEST_F(Images, ExrKeepsHalfFloatsBeyondOne)
         EXPECT_NEAR(read.pixels[i], image.pixels[i], std::abs(image.pixels[i]) / 2048.0f + 1e-7f);
 }
 
+uint16_t halfOf(float value)
+{
+    uint16_t half = 0;
+    floatsToHalf({&value, 1}, &half);
+    return half;
+}
+
+float floatOf(uint16_t half)
+{
+    float value = 0.0f;
+    halfToFloats({&half, 1}, &value);
+    return value;
+}
+
+TEST(HalfFloats, AreTheNearest)
+{
+    constexpr uint16_t kInfinity = 0x7c00;
+    for (uint16_t half = 0; half < kInfinity; ++half)
+        for (const uint16_t sign : {0x0000, 0x8000}) {
+            const uint16_t own = half | sign, next = own + 1;
+            const float value = floatOf(own);
+            ASSERT_EQ(halfOf(value), own);
+            // Beyond the largest, infinity begins where the next half would be.
+            const float middle =
+                half + 1 < kInfinity ? 0.5f * (value + floatOf(next)) : std::copysign(65520.0f, value);
+            ASSERT_EQ(halfOf(middle), half % 2 == 0 ? own : next);
+            ASSERT_EQ(halfOf(std::nextafter(middle, 0.0f)), own);
+            ASSERT_EQ(halfOf(std::nextafter(middle, 2.0f * middle)), next);
+        }
+    for (const float large : {65536.0f, 1e30f, INFINITY}) {
+        EXPECT_EQ(halfOf(large), kInfinity);
+        EXPECT_EQ(halfOf(-large), 0x8000 | kInfinity);
+    }
+    EXPECT_TRUE(std::isnan(floatOf(halfOf(NAN))));
+}
+
 TEST_F(Images, SameImageIsTheSameFile)
 {
     for (const char* name : {"a.png", "a.exr"}) {
