@@ -1,6 +1,6 @@
 // How near GGX maps come to the surface: the error of pictures of a square, at distances at which a pixel
-// covers 1, 2, 4, 8 and 16 texels a side, beside means over the texels under each pixel (64 at most). In dB
-// of display values, of
+// covers 1, 2, 4, 8 and 16 texels a side, beside means over all texels under each pixel. In dB of display
+// values, of
 //   average   an engine's own MIPs: averaged normals and roughness
 //   vMF       averaged normals; alpha^2 + 2 / kappa, kappa from the length of the mean normal (Filament's
 //             roughness-prefilter)
@@ -13,6 +13,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <numeric>
+#include <tbb/parallel_for.h>
 
 namespace lumel {
 namespace {
@@ -56,14 +58,12 @@ glm::vec3 display(glm::vec3 colour)
     return colour;
 }
 
-// The texels of level 0 under a pixel, 64 at most.
-std::vector<GgxTexel> samples(const GgxLevel& base, const GgxLevel& level, int x, int y)
+std::vector<GgxTexel> texelsUnder(const GgxLevel& base, const GgxLevel& level, int x, int y)
 {
     const baker::Footprint columns(x, level.width, base.width), rows(y, level.height, base.height);
-    const auto step = [](const baker::Footprint& f) { return std::max(1, (f.last - f.first) / 8); };
     std::vector<GgxTexel> texels;
-    for (int j = rows.first + step(rows) / 2; j < rows.last; j += step(rows))
-        for (int i = columns.first + step(columns) / 2; i < columns.last; i += step(columns))
+    for (int j = rows.first; j < rows.last; ++j)
+        for (int i = columns.first; i < columns.last; ++i)
             texels.push_back(base.at(i, j));
     return texels;
 }
@@ -91,30 +91,35 @@ GgxTexel averaged(const std::vector<GgxTexel>& texels, bool spreads)
     return mean;
 }
 
-struct Errors {
-    double average = 0.0, vmf = 0.0, own = 0.0;
-};
+using Errors = glm::dvec3; // average, vMF, export
 
+// Of one pixel.
+Errors errorsAt(const GgxLevel& base, const GgxLevel& level, int x, int y)
+{
+    const glm::vec2 at((float(x) + 0.5f) / float(level.width), (float(y) + 0.5f) / float(level.height));
+    const std::vector<GgxTexel> texels = texelsUnder(base, level, x, y);
+    glm::vec3 truth(0.0f);
+    for (const GgxTexel& t : texels)
+        truth += radiance(t, at) / float(texels.size());
+    const auto error = [&](const GgxTexel& t) {
+        const glm::vec3 d = display(radiance(t, at)) - display(truth);
+        return double(glm::dot(d, d)) / 3.0;
+    };
+    return {error(averaged(texels, false)), error(averaged(texels, true)), error(level.at(x, y))};
+}
+
+// Mean over up to 128 x 128 pixels, evenly spread.
 Errors errorsOf(const GgxLevel& base, const GgxLevel& level)
 {
-    Errors sums;
-    for (int y = 0; y < level.height; ++y)
-        for (int x = 0; x < level.width; ++x) {
-            const glm::vec2 at((float(x) + 0.5f) / float(level.width),
-                               (float(y) + 0.5f) / float(level.height));
-            const std::vector<GgxTexel> texels = samples(base, level, x, y);
-            glm::vec3 truth(0.0f);
-            for (const GgxTexel& t : texels)
-                truth += radiance(t, at) / float(texels.size());
-            const auto error = [&](const GgxTexel& t) {
-                const glm::vec3 d = display(radiance(t, at)) - display(truth);
-                return double(glm::dot(d, d)) / 3.0 / (double(level.width) * level.height);
-            };
-            sums.average += error(averaged(texels, false));
-            sums.vmf += error(averaged(texels, true));
-            sums.own += error(level.at(x, y));
-        }
-    return sums;
+    constexpr int kMost = 128;
+    const int width = std::min(level.width, kMost), height = std::min(level.height, kMost);
+    std::vector<Errors> rows(size_t(height), Errors(0.0));
+    tbb::parallel_for(0, height, [&](int y) {
+        for (int x = 0; x < width; ++x)
+            rows[size_t(y)] += errorsAt(base, level, (2 * x + 1) * level.width / (2 * width),
+                                        (2 * y + 1) * level.height / (2 * height));
+    });
+    return std::reduce(rows.begin(), rows.end()) / double(width * height);
 }
 
 std::string decibels(double error)
@@ -128,7 +133,7 @@ void printRow(const std::filesystem::path& file)
     std::string row = "| " + file.stem().string() + " |";
     for (size_t l = 1; l < std::min<size_t>(levels.size(), 5); ++l) {
         const Errors e = errorsOf(levels[0], levels[l]);
-        row += fmt::format(" {} / {} / {} |", decibels(e.average), decibels(e.vmf), decibels(e.own));
+        row += fmt::format(" {} / {} / {} |", decibels(e[0]), decibels(e[1]), decibels(e[2]));
     }
     fmt::print("{}\n", row);
 }
