@@ -117,7 +117,7 @@ void GgxAverage::sum(const GgxMeans& means, const GgxShape& near)
     GgxNodes::display(average, luminanceOf(means.diffuse), shown_);
     square_ = 0.0;
     for (size_t i = 0; i < GgxNodes::kCount; ++i) {
-        weights_[i] = nodes_.isOnDisc(i) ? 1.0f / (kPart * density[i]) : 0.0f;
+        weights_[i] = nodes_.frequency(i) / (kPart * density[i]);
         square_ += double(weights_[i]) * shown_[i] * shown_[i];
     }
 }

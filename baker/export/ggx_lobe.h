@@ -44,7 +44,9 @@ public:
     void display(const GgxLobe& lobe, float strength, glm::vec3 diffuse, Values& shown) const;
     static void display(const Values& specular, glm::vec3 diffuse, Values& shown);
     void evaluate(const GgxLobe& lobe, Values& values) const;
-    bool isOnDisc(size_t i) const { return z_[i] > 0.0f; }
+    // How often a picture has the half vector, up to a factor: about as often as lights and views that are
+    // spread by their cosines. 0 below the horizon.
+    float frequency(size_t i) const { return z_[i] > 0.0f ? z_[i] * z_[i] * z_[i] * z_[i] : 0.0f; }
 
 private:
     struct AtNode {

@@ -6,6 +6,9 @@
 //             roughness-prefilter)
 //   export    what lumel export writes
 //   build/export_quality baked.exr...
+// With a picture's name first, that picture in place of the table: a row for each material at the first level of
+// 256 pixels or fewer; average, vMF, export and the mean over all texels.
+//   build/export_quality picture.jpg baked.exr...
 #include "baker/footprint.h"
 #include "core/decoder_process.h"
 #include "core/error.h"
@@ -14,6 +17,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <numeric>
+#include <span>
 #include <tbb/parallel_for.h>
 
 namespace lumel {
@@ -93,19 +97,26 @@ GgxTexel averaged(const std::vector<GgxTexel>& texels, bool spreads)
 
 using Errors = glm::dvec3; // average, vMF, export
 
-// Of one pixel.
-Errors errorsAt(const GgxLevel& base, const GgxLevel& level, int x, int y)
+struct Pixel {
+    glm::vec3 average, vmf, own, truth;
+};
+
+Pixel pixelAt(const GgxLevel& base, const GgxLevel& level, int x, int y)
 {
     const glm::vec2 at((float(x) + 0.5f) / float(level.width), (float(y) + 0.5f) / float(level.height));
     const std::vector<GgxTexel> texels = texelsUnder(base, level, x, y);
     glm::vec3 truth(0.0f);
     for (const GgxTexel& t : texels)
         truth += radiance(t, at) / float(texels.size());
-    const auto error = [&](const GgxTexel& t) {
-        const glm::vec3 d = display(radiance(t, at)) - display(truth);
-        return double(glm::dot(d, d)) / 3.0;
-    };
-    return {error(averaged(texels, false)), error(averaged(texels, true)), error(level.at(x, y))};
+    return {display(radiance(averaged(texels, false), at)), display(radiance(averaged(texels, true), at)),
+            display(radiance(level.at(x, y), at)), display(truth)};
+}
+
+Errors errorsAt(const GgxLevel& base, const GgxLevel& level, int x, int y)
+{
+    const Pixel p = pixelAt(base, level, x, y);
+    const auto error = [&](glm::vec3 d) { return double(glm::dot(d - p.truth, d - p.truth)) / 3.0; };
+    return {error(p.average), error(p.vmf), error(p.own)};
 }
 
 // Mean over up to 128 x 128 pixels, evenly spread.
@@ -138,6 +149,45 @@ void printRow(const std::filesystem::path& file)
     fmt::print("{}\n", row);
 }
 
+// Appends the four pictures of a material, side by side.
+void addRow(Image& picture, const std::filesystem::path& file)
+{
+    constexpr int kSide = 256, kGap = 6;
+    const std::vector<GgxLevel> levels = baker::fitGgx(baker::readExr(file), {});
+    const GgxLevel& level =
+        *std::ranges::find_if(levels, [](const GgxLevel& l) { return std::max(l.width, l.height) <= kSide; });
+    const int top = picture.height + (picture.height ? kGap : 0);
+    Image grown(4 * kSide + 3 * kGap, top + level.height, 3);
+    std::ranges::fill(grown.pixels, 1.0f);
+    std::ranges::copy(picture.pixels, grown.pixels.begin());
+    tbb::parallel_for(0, level.height, [&](int y) {
+        for (int x = 0; x < level.width; ++x) {
+            const Pixel p = pixelAt(levels[0], level, x, y);
+            int left = x;
+            for (const glm::vec3& colour : {p.average, p.vmf, p.own, p.truth}) {
+                std::copy_n(&colour.x, 3, grown.at(left, top + y));
+                left += kSide + kGap;
+            }
+        }
+    });
+    picture = std::move(grown);
+}
+
+void writePicture(const std::filesystem::path& picture, std::span<char*> files)
+{
+    Image rows(0, 0, 3);
+    for (const char* file : files)
+        addRow(rows, file);
+    writeImage(picture, rows);
+}
+
+void printTable(std::span<char*> files)
+{
+    fmt::print("| average / vMF / export, dB | 2 | 4 | 8 | 16 |\n| --- | --- | --- | --- | --- |\n");
+    for (const char* file : files)
+        printRow(file);
+}
+
 } // namespace
 } // namespace lumel
 
@@ -145,9 +195,12 @@ int main(int argc, char** argv)
 {
     try {
         const lumel::DecoderProcess decoder; // before any thread
-        fmt::print("| average / vMF / export, dB | 2 | 4 | 8 | 16 |\n| --- | --- | --- | --- | --- |\n");
-        for (int i = 1; i < argc; ++i)
-            lumel::printRow(argv[i]);
+        const std::span files(argv + 1, size_t(argc - 1));
+        const std::string first = files.empty() ? "" : files[0];
+        if (first.ends_with(".jpg") || first.ends_with(".png"))
+            lumel::writePicture(first, files.subspan(1));
+        else
+            lumel::printTable(files);
         return 0;
     } catch (const std::exception& e) {
         fmt::print(stderr, "export_quality: {}\n", e.what());
