@@ -33,12 +33,13 @@ public:
 
     // Of texel (x, y) of a level of this size.
     GgxMeans means(int x, int y, int width, int height);
-    // Of the texel of the last means(): the average at nodes drawn from it, from a lobe twice as rough as `near`
-    // and evenly from the disc, a third each, with the weights by which they are summed (importance sampling
-    // of a mixture).
+    // Of the texel of the last means(): the average at nodes drawn from it, from a lobe twice as rough as
+    // `near` and evenly from the disc, a third each, with the weights by which they are summed (importance
+    // sampling of a mixture).
     void sum(const GgxMeans& means, const GgxShape& near);
 
-    // Error of what a display shows of strength * lobe, relative to the square of what it shows of the average.
+    // Error of what a display shows of strength * lobe, relative to the square of what it shows of the
+    // average.
     double error(const GgxMeans& means, const GgxShape& shape);
 
 private:

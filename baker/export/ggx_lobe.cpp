@@ -5,7 +5,8 @@
 namespace lumel::baker {
 namespace {
 
-// Radiance is about this times F0 D: 1 / (4 n.v) of a view that is not grazing, under a light of irradiance 1.
+// Radiance is about this times F0 D: 1 / (4 n.v) of a view that is not grazing, under a light of
+// irradiance 1.
 constexpr float kSpecularShare = 0.3f;
 
 // One direction a node, in proportion to its cosine: a light may come from anywhere (Roberts 2018, "The

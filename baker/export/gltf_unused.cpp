@@ -114,7 +114,8 @@ void dropImage(GltfFile& file, size_t image, const GltfCounts& before)
 } // namespace
 
 GltfCounts::GltfCounts(const GltfJson& json)
-    : textures(countOf(json, "textures")), images(countOf(json, "images")), views(countOf(json, "bufferViews"))
+    : textures(countOf(json, "textures")), images(countOf(json, "images")),
+      views(countOf(json, "bufferViews"))
 {
 }
 

@@ -134,8 +134,8 @@ void removeLeftovers(const fs::path& file)
 void writeAtomically(const fs::path& file, const std::function<void(const fs::path&)>& write)
 {
     checkWritable(file);
-    const fs::path temporary =
-        folderOf(file) / fmt::format(".{}.{}{}", file.stem().string(), processMark(), file.extension().string());
+    const fs::path temporary = folderOf(file) / fmt::format(".{}.{}{}", file.stem().string(), processMark(),
+                                                            file.extension().string());
     try {
         write(temporary);
         fs::rename(temporary, file);

