@@ -201,25 +201,6 @@ private:
     std::map<fs::path, size_t> owners_;
 };
 
-// What writeAtomically() left of files when it was killed: no one else writes them.
-void removeLeftovers(const std::vector<fs::path>& files)
-{
-    for (const fs::path& file : files) {
-        const std::string begin = fmt::format(".{}.", file.stem().string()), end = file.extension().string();
-        std::error_code code;
-        for (const auto& found :
-             fs::directory_iterator(file.has_parent_path() ? file.parent_path() : ".", code)) {
-            const std::string name = found.path().filename().string();
-            if (!name.starts_with(begin) || !name.ends_with(end) || name.size() <= begin.size() + end.size())
-                continue;
-            const std::string process = name.substr(begin.size(), name.size() - begin.size() - end.size());
-            std::error_code ignored;
-            if (std::ranges::all_of(process, [](char c) { return c >= '0' && c <= '9'; }))
-                fs::remove(found.path(), ignored);
-        }
-    }
-}
-
 Json parse(const fs::path& manifest)
 {
     const std::vector<std::byte> bytes = readFile(manifest);
@@ -259,7 +240,7 @@ ManifestResult bakeManifest(const fs::path& manifest, const Options& defaults, b
                 ++result.upToDate;
                 tell(name + ": up to date");
             } else {
-                removeLeftovers(files);
+                std::ranges::for_each(files, removeLeftovers);
                 entry.bakeAll(progress, kUnits);
                 ++result.baked;
                 tell(name + ": baked");

@@ -17,6 +17,8 @@ namespace {
 constexpr double kAlike = 1e-6;
 // A roughness of 0.045, below which half floats and many engines give up (Filament).
 constexpr float kSharpest = 0.002f;
+// Cosine between normals that 8 bits hardly tell apart.
+constexpr float kSameNormal = 0.99999f;
 
 // Axes of a covariance in the frame of its normal: deviation along and across, and the tangent along.
 struct Axes {
@@ -109,35 +111,38 @@ GgxBase baseOf(const Level& level, const Image* roughness)
     return base;
 }
 
-// Least of a function of a factor in [1/4, 4]: a scan, then a golden section in its logarithm.
+// Least of a function of a factor in [1/4, 4]: three points around it, then two parabolas, in its logarithm.
 template<class Error>
 float bestFactor(const Error& error)
 {
-    constexpr float kStep = 0.46f, kGolden = 0.618034f;
-    float best = 0.0f, least = error(1.0f);
-    for (int i = -3; i <= 3; ++i)
-        if (const float e = i ? error(std::exp(kStep * float(i))) : least; e < least) {
-            least = e;
-            best = kStep * float(i);
+    const auto at = [&](float x) { return error(std::exp(x)); };
+    float step = 0.46f, x = 0.0f, e = at(x), low = at(-step), high = at(step);
+    const auto shift = [&](float direction, float& ahead, float& behind) {
+        while (ahead < e && std::abs(x) < 3.0f * step) {
+            x += direction * step;
+            behind = std::exchange(e, ahead);
+            ahead = at(x + direction * step);
         }
-    float low = best - kStep, high = best + kStep;
-    float a = high - kGolden * (high - low), b = low + kGolden * (high - low);
-    float ea = error(std::exp(a)), eb = error(std::exp(b));
-    for (int i = 0; i < 7; ++i) {
-        if (ea < eb) {
-            high = b;
-            b = a;
-            eb = ea;
-            ea = error(std::exp(a = high - kGolden * (high - low)));
-        } else {
-            low = a;
-            a = b;
-            ea = eb;
-            eb = error(std::exp(b = low + kGolden * (high - low)));
+    };
+    shift(1.0f, high, low);
+    shift(-1.0f, low, high);
+    for (int i = 0; i < 2; ++i) {
+        const float curvature = low - 2.0f * e + high;
+        if (curvature <= 0.0f)
+            break;
+        const float vertex = x + step * std::clamp(0.5f * (low - high) / curvature, -1.0f, 1.0f);
+        const float there = at(vertex);
+        if (there >= e)
+            break;
+        x = vertex;
+        e = there;
+        if (i == 0) {
+            step *= 0.25f;
+            low = at(x - step);
+            high = at(x + step);
         }
     }
-    const float found = ea < eb ? a : b;
-    return std::exp(std::min(ea, eb) < least ? found : best);
+    return std::exp(x);
 }
 
 float clampAlpha(float alpha)
@@ -167,32 +172,22 @@ public:
     GgxTexel texel(int x, int y, Errors& errors)
     {
         const GgxMeans means = average_.means(x, y, level_.width, level_.height);
-        const float* t = level_.at(x, y);
         const Shape baked = bakedShape(level_, x, y);
         const Axes axes = axesOf(glm::vec3(normalOf(baked)), {baked.sxx, baked.sxy, baked.syy});
         GgxTexel result;
         result.f0 = means.f0;
-        result.diffuse = {t[kKdR], t[kKdG], t[kKdB]};
         result.shape = start(means, baked, axes);
         average_.sum(means, result.shape);
-        const auto error = [&](const GgxShape& shape) { return average_.error(means.strength, shape); };
+        const auto error = [&](const GgxShape& shape) { return average_.error(means, shape); };
         const double averaged = error(means.averaged);
-        double own = error(result.shape);
-        if (averaged < kAlike) {
-            result.shape = means.averaged;
-            own = averaged;
-        } else {
-            search(error, result.shape);
-            own = error(result.shape);
-            if (averaged < own) {
-                result.shape = means.averaged;
-                own = averaged;
-            }
-        }
         GgxShape converted = result.shape; // of the baked normal
-        converted.normal = glm::vec3(normalOf(baked));
         converted.alphaT = converted.alphaB = std::sqrt(2.0f / (scalarPower(baked) + 2.0f));
-        errors = {float(own), float(error(converted)), float(averaged)};
+        errors = {float(averaged), float(error(converted)), float(averaged)};
+        if (averaged < kAlike)
+            result.shape = means.averaged;
+        else
+            errors.own = float(search(error, means, result.shape));
+        result.diffuse = means.diffuseAlong(result.shape.normal);
         return result;
     }
 
@@ -217,18 +212,41 @@ private:
         return shape;
     }
 
+    // Along the baked normal and along the mean one. Returns the error.
     template<class Error>
-    void search(const Error& error, GgxShape& shape) const
+    double search(const Error& error, const GgxMeans& means, GgxShape& shape) const
     {
-        const auto scale = [&](float f) { return float(error(stretched(shape, f, f))); };
-        float f = bestFactor(scale);
+        scale(error, shape);
+        GgxShape other = shape;
+        other.normal = means.averaged.normal;
+        other.tangent = glm::normalize(shape.tangent - other.normal * glm::dot(other.normal, shape.tangent));
+        double least = error(shape);
+        const auto take = [&](const GgxShape& candidate) {
+            if (const double e = error(candidate); e < least) {
+                least = e;
+                shape = candidate;
+            }
+        };
+        if (glm::dot(other.normal, shape.normal) < kSameNormal) {
+            scale(error, other);
+            take(other);
+        }
+        take(means.averaged);
+        return least;
+    }
+
+    template<class Error>
+    void scale(const Error& error, GgxShape& shape) const
+    {
+        const auto both = [&](float f) { return float(error(stretched(shape, f, f))); };
+        float f = bestFactor(both);
         shape = stretched(shape, f, f);
         if (!options_.anisotropic)
             return;
         const auto ratio = [&](float r) { return float(error(stretched(shape, r, 1.0f / r))); };
         const float r = bestFactor(ratio);
         shape = stretched(shape, r, 1.0f / r);
-        f = bestFactor(scale);
+        f = bestFactor(both);
         shape = stretched(shape, f, f);
         if (shape.alphaT < shape.alphaB) {
             std::swap(shape.alphaT, shape.alphaB);

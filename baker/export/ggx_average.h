@@ -22,6 +22,9 @@ struct GgxMeans {
     bool isBlack = false;
     float alphaSquared = 0.0f; // weighted by strength
     GgxShape averaged;         // as an engine averages maps: the mean normal and mean roughness
+    glm::mat3 diffuse{0.0f};   // of each colour, the mean of reflectance times normal
+    // What a texel of this normal keeps of it.
+    glm::vec3 diffuseAlong(glm::vec3 normal) const { return glm::max(normal * diffuse, 0.0f); }
 };
 
 class GgxAverage {
@@ -30,26 +33,28 @@ public:
 
     // Of texel (x, y) of a level of this size.
     GgxMeans means(int x, int y, int width, int height);
-    // Of the texel of the last means(): the average at nodes drawn from it, from `near` and from the averaged
-    // lobe, a third each, with the weights by which products are summed (importance sampling of a mixture).
+    // Of the texel of the last means(): the average at nodes drawn from it, from a lobe twice as rough as
+    // `near` and evenly from the disc, a third each, with the weights by which they are summed (importance
+    // sampling of a mixture).
     void sum(const GgxMeans& means, const GgxShape& near);
 
-    const GgxNodes& nodes() const { return nodes_; }
-    // Error of strength * lobe, relative to the average's square.
-    double error(float strength, const GgxShape& shape);
+    // Error of what a display shows of strength * lobe, relative to the square of what it shows of the
+    // average.
+    double error(const GgxMeans& means, const GgxShape& shape);
 
 private:
     template<class Use>
     void forTexels(const Use& use) const;
-    void place(const GgxMeans& means, const GgxShape& near);
+    void place(const GgxMeans& means, const GgxShape& broad);
 
     const GgxBase& base_;
     Footprint columns_{0.0, 1.0}, rows_{0.0, 1.0};
     GgxNodes nodes_;
-    GgxNodes::Values average_{}, weights_{}, values_{};
-    double square_ = 0.0; // of the average
+    GgxNodes::Values shown_{}, weights_{}, values_{}; // shown_: of the average
+    double square_ = 0.0;                             // of shown_
 };
 
 float luminanceOf(glm::vec3 colour);
+glm::vec3 luminanceOf(const glm::mat3& vectors); // of a vector a colour
 
 } // namespace lumel::baker

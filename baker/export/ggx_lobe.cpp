@@ -3,6 +3,35 @@
 #include <cmath>
 
 namespace lumel::baker {
+namespace {
+
+// Radiance is about this times F0 D: 1 / (4 n.v) of a view that is not grazing, under a light of
+// irradiance 1.
+constexpr float kSpecularShare = 0.3f;
+
+// One direction a node, in proportion to its cosine: a light may come from anywhere (Roberts 2018, "The
+// Unreasonable Effectiveness of Quasirandom Sequences": multiples of powers of the plastic number).
+struct Lights {
+    alignas(64) GgxNodes::Values x, y, z;
+    Lights()
+    {
+        for (size_t i = 0; i < GgxNodes::kCount; ++i) {
+            const float u = std::fmod(0.5f + 0.7548777f * float(i), 1.0f);
+            const float angle = 2.0f * shared::kPi * std::fmod(0.5f + 0.5698403f * float(i), 1.0f);
+            x[i] = std::sqrt(u) * std::cos(angle);
+            y[i] = std::sqrt(u) * std::sin(angle);
+            z[i] = std::sqrt(1.0f - u);
+        }
+    }
+};
+
+// Like tone mapping and the sRGB curve: near a square root, and ever less of a difference above white.
+inline float shownOf(float radiance)
+{
+    return std::sqrt(radiance / (1.0f + radiance));
+}
+
+} // namespace
 
 GgxLobe::GgxLobe(const GgxShape& shape) : normal(shape.normal)
 {
@@ -51,6 +80,24 @@ void GgxNodes::add(const GgxLobe& lobe, float weight, Values& values, Values& de
         values[i] += weight * node.value;
         densities[i] += weight * node.value * node.cosine * inverseZ_[i];
     }
+}
+
+void GgxNodes::display(const Values& specular, glm::vec3 diffuse, Values& shown)
+{
+    static const Lights lights;
+    diffuse /= shared::kPi;
+    for (size_t i = 0; i < kCount; ++i) {
+        const float d = diffuse.x * lights.x[i] + diffuse.y * lights.y[i] + diffuse.z * lights.z[i];
+        shown[i] = shownOf(kSpecularShare * specular[i] + std::max(d, 0.0f));
+    }
+}
+
+void GgxNodes::display(const GgxLobe& lobe, float strength, glm::vec3 diffuse, Values& shown) const
+{
+    Values specular;
+    for (size_t i = 0; i < kCount; ++i)
+        specular[i] = strength * at(lobe, i).value;
+    display(specular, diffuse, shown);
 }
 
 void GgxNodes::evaluate(const GgxLobe& lobe, Values& values) const

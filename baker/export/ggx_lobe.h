@@ -39,8 +39,14 @@ public:
     // values += weight D(h); densities += weight D(h) (n.h) / h.z, with which that lobe's half vectors lie on
     // the disc.
     void add(const GgxLobe& lobe, float weight, Values& values, Values& densities) const;
+    // What a display shows of `strength` times the lobe and of a diffuse vector, reflectance times normal,
+    // under lights that are the same for any nodes; and of values that are summed already.
+    void display(const GgxLobe& lobe, float strength, glm::vec3 diffuse, Values& shown) const;
+    static void display(const Values& specular, glm::vec3 diffuse, Values& shown);
     void evaluate(const GgxLobe& lobe, Values& values) const;
-    bool isOnDisc(size_t i) const { return z_[i] > 0.0f; }
+    // How often a picture has the half vector, up to a factor: about as often as lights and views that are
+    // spread by their cosines. 0 below the horizon.
+    float frequency(size_t i) const { return z_[i] > 0.0f ? z_[i] * z_[i] * z_[i] * z_[i] : 0.0f; }
 
 private:
     struct AtNode {

@@ -4,6 +4,7 @@
 #include "gltf_file.h"
 #include <array>
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 namespace lumel::baker {
 namespace {
@@ -55,8 +56,13 @@ nlohmann::json writeGltfSquare(const std::string& name, const std::vector<Export
     GltfFile file;
     file.json["asset"] = {{"version", "2.0"}, {"generator", "lumel export"}};
     nlohmann::json written = nlohmann::json::array();
+    std::vector<std::vector<unsigned char>> pngs(maps.size());
+    tbb::parallel_for(size_t(0), maps.size(), [&](size_t i) {
+        if (maps[i].name != "specular") // which the material does not use
+            pngs[i] = pngOf(maps[i]);
+    });
     const auto texture = [&](const ExportMap& map) -> GltfJson {
-        const std::vector<unsigned char> png = pngOf(map);
+        const std::vector<unsigned char>& png = pngs[size_t(&map - maps.data())];
         size_t image = 0;
         if (binary) {
             image = file.addPng(map.name, png);

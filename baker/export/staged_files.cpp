@@ -5,7 +5,6 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <fstream>
-#include <unistd.h>
 
 namespace lumel::baker {
 namespace fs = std::filesystem;
@@ -21,7 +20,8 @@ StagedFiles::StagedFiles(fs::path folder) : folder_(std::move(folder))
     }
     if (!fs::is_directory(folder_))
         throw Error(fmt::format("{}: is a file; name a folder", folder_.string()));
-    temporary_ = folder_ / fmt::format(".lumel-{}", getpid());
+    removeLeftovers(folder_ / "lumel"); // of exports that were killed
+    temporary_ = folder_ / fmt::format(".lumel.{}", processMark());
     std::error_code code;
     fs::create_directory(temporary_, code);
     if (code)

@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "export/export_maps.h"
-#include "export/gltf_file.h"
+#include "export/gltf_unused.h"
 #include "export/ktx2.h"
 #include "gltf/gltf.h"
 #include "gltf/uri.h"
@@ -69,6 +69,7 @@ public:
         size_t baked = 0;
         for (size_t i = 0; i < scene_.materials.size(); ++i)
             baked += bake(i) ? 1 : 0;
+        baker::dropUnused(file_, counts_, replaced_);
         if (isBinary_)
             embedImages();
         copyReferences();
@@ -171,7 +172,14 @@ private:
                 map.levels[l].pixels[3 * i + 2] = levels[l].pixels[i];
     }
 
-    // A texture of an image, read where the material's others are.
+    // Sets a texture of the material, read where its others are.
+    void replace(GltfJson& info, const std::string& name, const ExportMap& map, const GltfJson* placing)
+    {
+        if (info.contains("index"))
+            replaced_.insert(info["index"].get<size_t>());
+        info = textureOf(name, map, placing);
+    }
+
     GltfJson textureOf(const std::string& name, const ExportMap& map, const GltfJson* placing)
     {
         const std::string own = fmt::format("{}_{}", name, map.name);
@@ -202,10 +210,10 @@ private:
         const GltfJson placing = placingTexture(json) ? *placingTexture(json) : GltfJson();
         const GltfJson* place = placing.is_object() ? &placing : nullptr;
         if (material.normalImage >= 0 || material.heightImage >= 0)
-            json["normalTexture"] = textureOf(name, maps[0], place);
+            replace(json["normalTexture"], name, maps[0], place);
         if (material.metallicRoughnessImage >= 0 && !material.specularGlossiness) {
             GltfJson& pbr = json["pbrMetallicRoughness"];
-            pbr["metallicRoughnessTexture"] = textureOf(name, maps[1], place);
+            replace(pbr["metallicRoughnessTexture"], name, maps[1], place);
             pbr.erase("roughnessFactor"); // it is in the map; the default is 1
         }
         if (!arguments_.ktx2Textures)
@@ -270,6 +278,8 @@ private:
     const BakeArguments& arguments_;
     const scene::Scene scene_;
     GltfFile file_;
+    const baker::GltfCounts counts_{file_.json};
+    std::set<size_t> replaced_; // textures
     baker::StagedFiles files_;
     const std::string stem_;
     const bool isBinary_;

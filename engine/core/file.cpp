@@ -1,6 +1,8 @@
 #include "file.h"
 #include "error.h"
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -79,11 +81,61 @@ void checkWritable(const fs::path& file)
         throw Error(fmt::format("{}: is a folder; name a file", file.string()));
 }
 
+namespace {
+
+std::string hostName()
+{
+    char name[65] = {};
+    gethostname(name, sizeof name - 1);
+    std::string text = name;
+    std::erase_if(text, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); });
+    return text;
+}
+
+// No other process writes a file that has not changed for so long.
+constexpr auto kForgotten = std::chrono::minutes(10);
+
+// Whether whoever wrote a temporary file is gone: a process of this machine, or one that forgot it.
+bool isLeftover(const fs::path& temporary, const std::string& mark)
+{
+    const size_t dash = mark.find('-');
+    const std::string digits = mark.substr(0, dash);
+    if (digits.empty() || digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos)
+        return false;
+    if (dash != std::string::npos && mark.substr(dash + 1) == hostName())
+        return kill(pid_t(std::stol(digits)), 0) != 0 && errno == ESRCH;
+    std::error_code code;
+    const auto written = fs::last_write_time(temporary, code);
+    return !code && fs::file_time_type::clock::now() - written > kForgotten;
+}
+
+} // namespace
+
+std::string processMark()
+{
+    static const std::string host = hostName();
+    return fmt::format("{}-{}", getpid(), host);
+}
+
+void removeLeftovers(const fs::path& file)
+{
+    const std::string begin = fmt::format(".{}.", file.stem().string()), end = file.extension().string();
+    std::error_code code;
+    for (const auto& found : fs::directory_iterator(folderOf(file), code)) {
+        const std::string name = found.path().filename().string();
+        if (!name.starts_with(begin) || !name.ends_with(end) || name.size() <= begin.size() + end.size())
+            continue;
+        std::error_code ignored;
+        if (isLeftover(found.path(), name.substr(begin.size(), name.size() - begin.size() - end.size())))
+            fs::remove_all(found.path(), ignored);
+    }
+}
+
 void writeAtomically(const fs::path& file, const std::function<void(const fs::path&)>& write)
 {
     checkWritable(file);
-    const fs::path temporary =
-        folderOf(file) / fmt::format(".{}.{}{}", file.stem().string(), getpid(), file.extension().string());
+    const fs::path temporary = folderOf(file) / fmt::format(".{}.{}{}", file.stem().string(), processMark(),
+                                                            file.extension().string());
     try {
         write(temporary);
         fs::rename(temporary, file);

@@ -29,6 +29,13 @@ private:
 // Throws Error unless a file could be written there: commands call it before long work.
 void checkWritable(const std::filesystem::path& file);
 
+// "4711-HOST": in names of temporary files, so that processes and machines that share a folder do not meet.
+std::string processMark();
+
+// Removes what writeAtomically() left of `file` when its process was killed: on this machine at once, of
+// others after ten minutes. Files that a living process writes stay.
+void removeLeftovers(const std::filesystem::path& file);
+
 // Calls `write` with a fresh temporary name beside `file` (same extension), then renames it over `file`.
 // When `write` throws, the temporary is removed and `file` is untouched. Throws Error if the folder is
 // missing or not writable.

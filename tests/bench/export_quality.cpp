@@ -1,11 +1,14 @@
 // How near GGX maps come to the surface: the error of pictures of a square, at distances at which a pixel
-// covers 1, 2, 4, 8 and 16 texels a side, beside means over the texels under each pixel (64 at most). In dB
-// of display values, of
+// covers 1, 2, 4, 8 and 16 texels a side, beside means over all texels under each pixel. In dB of display
+// values, of
 //   average   an engine's own MIPs: averaged normals and roughness
 //   vMF       averaged normals; alpha^2 + 2 / kappa, kappa from the length of the mean normal (Filament's
 //             roughness-prefilter)
 //   export    what lumel export writes
 //   build/export_quality baked.exr...
+// With a picture's name first, that picture in place of the table: a row for each material at the first level
+// of 256 pixels or fewer; average, vMF, export and the mean over all texels.
+//   build/export_quality picture.jpg baked.exr...
 #include "baker/footprint.h"
 #include "core/decoder_process.h"
 #include "core/error.h"
@@ -13,6 +16,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <numeric>
+#include <span>
+#include <tbb/parallel_for.h>
 
 namespace lumel {
 namespace {
@@ -56,14 +62,12 @@ glm::vec3 display(glm::vec3 colour)
     return colour;
 }
 
-// The texels of level 0 under a pixel, 64 at most.
-std::vector<GgxTexel> samples(const GgxLevel& base, const GgxLevel& level, int x, int y)
+std::vector<GgxTexel> texelsUnder(const GgxLevel& base, const GgxLevel& level, int x, int y)
 {
     const baker::Footprint columns(x, level.width, base.width), rows(y, level.height, base.height);
-    const auto step = [](const baker::Footprint& f) { return std::max(1, (f.last - f.first) / 8); };
     std::vector<GgxTexel> texels;
-    for (int j = rows.first + step(rows) / 2; j < rows.last; j += step(rows))
-        for (int i = columns.first + step(columns) / 2; i < columns.last; i += step(columns))
+    for (int j = rows.first; j < rows.last; ++j)
+        for (int i = columns.first; i < columns.last; ++i)
             texels.push_back(base.at(i, j));
     return texels;
 }
@@ -91,30 +95,42 @@ GgxTexel averaged(const std::vector<GgxTexel>& texels, bool spreads)
     return mean;
 }
 
-struct Errors {
-    double average = 0.0, vmf = 0.0, own = 0.0;
+using Errors = glm::dvec3; // average, vMF, export
+
+struct Pixel {
+    glm::vec3 average, vmf, own, truth;
 };
 
+Pixel pixelAt(const GgxLevel& base, const GgxLevel& level, int x, int y)
+{
+    const glm::vec2 at((float(x) + 0.5f) / float(level.width), (float(y) + 0.5f) / float(level.height));
+    const std::vector<GgxTexel> texels = texelsUnder(base, level, x, y);
+    glm::vec3 truth(0.0f);
+    for (const GgxTexel& t : texels)
+        truth += radiance(t, at) / float(texels.size());
+    return {display(radiance(averaged(texels, false), at)), display(radiance(averaged(texels, true), at)),
+            display(radiance(level.at(x, y), at)), display(truth)};
+}
+
+Errors errorsAt(const GgxLevel& base, const GgxLevel& level, int x, int y)
+{
+    const Pixel p = pixelAt(base, level, x, y);
+    const auto error = [&](glm::vec3 d) { return double(glm::dot(d - p.truth, d - p.truth)) / 3.0; };
+    return {error(p.average), error(p.vmf), error(p.own)};
+}
+
+// Mean over up to 128 x 128 pixels, evenly spread.
 Errors errorsOf(const GgxLevel& base, const GgxLevel& level)
 {
-    Errors sums;
-    for (int y = 0; y < level.height; ++y)
-        for (int x = 0; x < level.width; ++x) {
-            const glm::vec2 at((float(x) + 0.5f) / float(level.width),
-                               (float(y) + 0.5f) / float(level.height));
-            const std::vector<GgxTexel> texels = samples(base, level, x, y);
-            glm::vec3 truth(0.0f);
-            for (const GgxTexel& t : texels)
-                truth += radiance(t, at) / float(texels.size());
-            const auto error = [&](const GgxTexel& t) {
-                const glm::vec3 d = display(radiance(t, at)) - display(truth);
-                return double(glm::dot(d, d)) / 3.0 / (double(level.width) * level.height);
-            };
-            sums.average += error(averaged(texels, false));
-            sums.vmf += error(averaged(texels, true));
-            sums.own += error(level.at(x, y));
-        }
-    return sums;
+    constexpr int kMost = 128;
+    const int width = std::min(level.width, kMost), height = std::min(level.height, kMost);
+    std::vector<Errors> rows(size_t(height), Errors(0.0));
+    tbb::parallel_for(0, height, [&](int y) {
+        for (int x = 0; x < width; ++x)
+            rows[size_t(y)] += errorsAt(base, level, (2 * x + 1) * level.width / (2 * width),
+                                        (2 * y + 1) * level.height / (2 * height));
+    });
+    return std::reduce(rows.begin(), rows.end()) / double(width * height);
 }
 
 std::string decibels(double error)
@@ -128,9 +144,48 @@ void printRow(const std::filesystem::path& file)
     std::string row = "| " + file.stem().string() + " |";
     for (size_t l = 1; l < std::min<size_t>(levels.size(), 5); ++l) {
         const Errors e = errorsOf(levels[0], levels[l]);
-        row += fmt::format(" {} / {} / {} |", decibels(e.average), decibels(e.vmf), decibels(e.own));
+        row += fmt::format(" {} / {} / {} |", decibels(e[0]), decibels(e[1]), decibels(e[2]));
     }
     fmt::print("{}\n", row);
+}
+
+// Appends the four pictures of a material, side by side.
+void addRow(Image& picture, const std::filesystem::path& file)
+{
+    constexpr int kSide = 256, kGap = 6;
+    const std::vector<GgxLevel> levels = baker::fitGgx(baker::readExr(file), {});
+    const GgxLevel& level =
+        *std::ranges::find_if(levels, [](const GgxLevel& l) { return std::max(l.width, l.height) <= kSide; });
+    const int top = picture.height + (picture.height ? kGap : 0);
+    Image grown(4 * kSide + 3 * kGap, top + level.height, 3);
+    std::ranges::fill(grown.pixels, 1.0f);
+    std::ranges::copy(picture.pixels, grown.pixels.begin());
+    tbb::parallel_for(0, level.height, [&](int y) {
+        for (int x = 0; x < level.width; ++x) {
+            const Pixel p = pixelAt(levels[0], level, x, y);
+            int left = x;
+            for (const glm::vec3& colour : {p.average, p.vmf, p.own, p.truth}) {
+                std::copy_n(&colour.x, 3, grown.at(left, top + y));
+                left += kSide + kGap;
+            }
+        }
+    });
+    picture = std::move(grown);
+}
+
+void writePicture(const std::filesystem::path& picture, std::span<char*> files)
+{
+    Image rows(0, 0, 3);
+    for (const char* file : files)
+        addRow(rows, file);
+    writeImage(picture, rows);
+}
+
+void printTable(std::span<char*> files)
+{
+    fmt::print("| average / vMF / export, dB | 2 | 4 | 8 | 16 |\n| --- | --- | --- | --- | --- |\n");
+    for (const char* file : files)
+        printRow(file);
 }
 
 } // namespace
@@ -140,9 +195,12 @@ int main(int argc, char** argv)
 {
     try {
         const lumel::DecoderProcess decoder; // before any thread
-        fmt::print("| average / vMF / export, dB | 2 | 4 | 8 | 16 |\n| --- | --- | --- | --- | --- |\n");
-        for (int i = 1; i < argc; ++i)
-            lumel::printRow(argv[i]);
+        const std::span files(argv + 1, size_t(argc - 1));
+        const std::string first = files.empty() ? "" : files[0];
+        if (first.ends_with(".jpg") || first.ends_with(".png"))
+            lumel::writePicture(first, files.subspan(1));
+        else
+            lumel::printTable(files);
         return 0;
     } catch (const std::exception& e) {
         fmt::print(stderr, "export_quality: {}\n", e.what());

@@ -1,3 +1,4 @@
+#include "core/file.h"
 #include "inputs.h"
 #include "program.h"
 #include <algorithm>
@@ -150,7 +151,8 @@ TEST_F(Manifest, ShardsShareAFolder)
     kill(processes[1], SIGKILL);
     for (int i = 0; i < 4; ++i)
         EXPECT_EQ(finish(processes[size_t(i)]).exitCode, i == 1 ? -1 : 0);
-    writeText(folder_ / "maps" / ".5.4194305.exr", "what a killed process leaves");
+    const std::string mark = processMark(), host = mark.substr(mark.find('-'));
+    writeText(folder_ / "maps" / fmt::format(".5.4194305{}.exr", host), "what a killed process leaves");
     fs::remove(folder_ / "maps" / "5.exr");
     const Outcome again = run(shard(2));
     EXPECT_EQ(again.exitCode, 0) << again.err;
@@ -159,6 +161,31 @@ TEST_F(Manifest, ShardsShareAFolder)
     const Outcome whole = run({"bake", "--manifest", "maps/list.json"});
     for (int i = 0; i < 12; ++i)
         EXPECT_NE(whole.out.find("maps/" + std::to_string(i) + ".exr: up to date"), std::string::npos);
+    for (const auto& file : fs::directory_iterator(folder_ / "maps"))
+        EXPECT_NE(file.path().filename().string()[0], '.') << file.path();
+}
+
+// By mistake: the work is done twice, and no one takes the other's temporary file away.
+TEST_F(Manifest, OneShardMayRunTwiceAtOnce)
+{
+    nlohmann::json list = nlohmann::json::array();
+    for (int i = 0; i < 6; ++i) {
+        list.push_back(entry("a.png", std::to_string(i) + ".exr"));
+        list.back()["power"] = 20 + i;
+    }
+    writeHeightMap(folder_ / "maps" / "a.png", 64, 64);
+    writeText(folder_ / "maps" / "list.json", list.dump());
+    for (int round = 0; round < 4; ++round) {
+        std::vector<pid_t> processes;
+        for (int i = 0; i < 4; ++i)
+            processes.push_back(start({"bake", "--manifest", "maps/list.json", "--threads", "1"}));
+        for (const pid_t process : processes) {
+            const Outcome outcome = finish(process);
+            EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+        }
+        for (int i = 0; i < 6; ++i)
+            EXPECT_TRUE(fs::remove(folder_ / "maps" / fmt::format("{}.exr", i)));
+    }
     for (const auto& file : fs::directory_iterator(folder_ / "maps"))
         EXPECT_NE(file.path().filename().string()[0], '.') << file.path();
 }

@@ -82,6 +82,21 @@ TEST_F(Files, AppearWholeAndReplaceOthers)
     EXPECT_EQ(count(), 1u) << "no temporary is left";
 }
 
+TEST_F(Files, LeftByKilledProcessesAreRemovedAndNoOthers)
+{
+    const std::string mark = processMark(), host = mark.substr(mark.find('-'));
+    const auto make = [&](const std::string& name) { std::ofstream(folder / name) << "part"; };
+    const std::string dead = ".out.4194305" + host + ".json", living = ".out." + mark + ".json";
+    const std::string elsewhere = ".out.17-elsewhere.json", forgotten = ".out.18-elsewhere.json";
+    for (const auto& name : {dead, living, elsewhere, forgotten, std::string(".out.notes.json")})
+        make(name);
+    fs::last_write_time(folder / forgotten, fs::file_time_type::clock::now() - std::chrono::hours(1));
+    removeLeftovers(folder / "out.json");
+    EXPECT_FALSE(fs::exists(folder / dead));
+    EXPECT_FALSE(fs::exists(folder / forgotten));
+    EXPECT_EQ(count(), 3u) << "what living processes write stays, and what is no temporary file";
+}
+
 TEST_F(Files, StayAsTheyWereWhenWritingFails)
 {
     const fs::path file = folder / "out.json";
