@@ -4,12 +4,13 @@
 
 namespace lumel::tsl {
 
-// A class's first block holds about this much, so that small textures share one.
-constexpr size_t kBlockBytes = size_t(4) << 20;
+// A class's first block holds about this much, so that textures share it: each block takes a dispatch in
+// every step of light and lower.
+constexpr size_t kBlockBytes = size_t(12) << 20;
 constexpr size_t kMaxLayers = 128;
 // At most what a block of several textures takes: of the cap, since memory is given up by blocks, and of what
 // is left.
-constexpr size_t kShareOfCap = 32;
+constexpr size_t kShareOfCap = 12;
 constexpr size_t kShareOfRoom = 8;
 
 TextureLayout::TextureLayout(glm::uvec2 textureSize) : size(textureSize), extent(textureSize)
