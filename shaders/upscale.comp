@@ -22,7 +22,7 @@ vec3 weighted(vec4 w, vec3 a, vec3 b, vec3 c, vec3 d)
     return w.x * a + w.y * b + w.z * c + w.w * d;
 }
 
-// Four pixels beside each other along that axis: scaled up at most twice, they lie between seven texels.
+// Four pixels beside each other along that axis: scaled up, but less than three times, they lie between seven texels.
 void main()
 {
     bool sideways = push.from.x != push.to.x;
@@ -32,7 +32,7 @@ void main()
     int from = int(sideways ? push.from.x : push.from.y), to = int(sideways ? push.to.x : push.to.y);
     int along = sideways ? pixel.x : pixel.y;
     vec4 p = (vec4(along, along + 1, along + 2, along + 3) + 0.5) * float(from) / float(to) - 0.5;
-    ivec4 behind = ivec4(floor(p)) - int(floor(p.x)); // of their first texels: 0; 0 or 1; 1 or 2; 1 to 3
+    ivec4 behind = ivec4(floor(p)) - int(floor(p.x)); // of their first texels: 0; 0 or 1; 0 to 2; 1 to 3
     int first = int(floor(p.x)) - 1;
     vec3 t0 = texelAlong(sideways, pixel, first, from), t1 = texelAlong(sideways, pixel, first + 1, from),
          t2 = texelAlong(sideways, pixel, first + 2, from), t3 = texelAlong(sideways, pixel, first + 3, from),
@@ -41,7 +41,9 @@ void main()
     mat4 w = transpose(catmullRomWeights(fract(p)));
     vec3 a = weighted(w[0], t0, t1, t2, t3);
     vec3 b = behind.y == 0 ? weighted(w[1], t0, t1, t2, t3) : weighted(w[1], t1, t2, t3, t4);
-    vec3 c = behind.z == 1 ? weighted(w[2], t1, t2, t3, t4) : weighted(w[2], t2, t3, t4, t5);
+    vec3 c = behind.z == 0   ? weighted(w[2], t0, t1, t2, t3)
+             : behind.z == 1 ? weighted(w[2], t1, t2, t3, t4)
+                             : weighted(w[2], t2, t3, t4, t5);
     vec3 d = behind.w == 1   ? weighted(w[3], t1, t2, t3, t4)
              : behind.w == 2 ? weighted(w[3], t2, t3, t4, t5)
                              : weighted(w[3], t3, t4, t5, t6);

@@ -168,10 +168,8 @@ Image upscaled(const Image& image, int width, int height)
     Image result(width, height, image.channels);
     const OIIO::ImageBuf source(from, const_cast<float*>(image.pixels.data()));
     OIIO::ImageBuf target(to, result.pixels.data());
-    if (!OIIO::ImageBufAlgo::resize(target, source, "catmull-rom", 4.0f))
+    if (!OIIO::ImageBufAlgo::resize(target, source, "triangle"))
         throw Error(fmt::format("a picture cannot be scaled ({})", firstLine(target.geterror())));
-    for (float& value : result.pixels)
-        value = std::max(value, 0.0f);
     return result;
 }
 

@@ -59,7 +59,8 @@ void writeImage(const std::filesystem::path& file, const Image& image);
 // The bytes of an 8-bit PNG file of the image (values as for writeImage): pictures inside other files.
 std::vector<unsigned char> encodePng(const Image& image);
 
-// The image at a greater size, by Catmull-Rom splines; negative results become 0.
+// The image at a greater size, linearly: splines ring around radiance's highlights, and without what falls
+// below 0 the mean would rise.
 Image upscaled(const Image& image, int width, int height);
 
 // IEEE half floats, rounded to nearest; values beyond +-65504 become infinities.

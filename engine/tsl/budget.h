@@ -22,7 +22,7 @@ struct Quality {
     }
 };
 inline constexpr float kMostLevelBias = 2.0f;
-inline constexpr float kLeastRenderScale = 0.5f;
+inline constexpr float kLeastRenderScale = 0.4375f; // upscale.comp takes 0.34 to 1
 inline constexpr float kRenderScaleStep = 1.0f / 32.0f;
 
 // What a finished frame cost, in milliseconds, and what it did.

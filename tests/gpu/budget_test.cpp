@@ -146,11 +146,14 @@ TEST_F(BudgetTest, AScaledFrameIsTheSmallFramesPictureUpscaled)
             renderer.render(camera);
         return renderer.readDisplay();
     };
-    const Image scaled = pictureAt(0.1, {160, 90}), small = pictureAt(0.0, {80, 45});
-    for (int y = 0; y < 90; ++y)
-        for (int x = 0; x < 160; ++x)
+    const float scale = tsl::kLeastRenderScale;
+    const glm::ivec2 size(160, 96);
+    const Image scaled = pictureAt(0.1, size), small = pictureAt(0.0, glm::vec2(size) * scale);
+    for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x)
             for (int c = 0; c < 3; ++c) {
-                const float expected = splineAt(small, 0.5f * (float(x) + 0.5f), 0.5f * (float(y) + 0.5f), c);
+                const float expected =
+                    splineAt(small, scale * (float(x) + 0.5f), scale * (float(y) + 0.5f), c);
                 ASSERT_NEAR(scaled.at(x, y)[c], std::clamp(expected, 0.0f, 1.0f), 1.5f / 255.0f)
                     << x << " " << y;
             }
