@@ -37,7 +37,7 @@ void Renderer::keepToBudget(const InFlight& own)
         own.quality);
     if (budget_->outOfReach() && !budgetMissed_) {
         spdlog::warn(
-            "a frame budget of {:g} ms is out of reach here: about {:.0f} ms at half the render scale; "
+            "a frame budget of {:g} ms is out of reach here: about {:.0f} ms at the least render scale; "
             "raise --budget-ms or lower --size{}",
             settings_.budgetMs, budget_->floorMs(), settings_.msaa > 1 ? ", or draw with --msaa 1" : "");
         budgetMissed_ = true;

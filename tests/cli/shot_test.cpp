@@ -234,7 +234,7 @@ TEST_F(Shot, ABudgetOutOfReachIsReportedOnceAndCounted)
     const auto stats = nlohmann::json::parse(readText(folder_ / "s.json"));
     EXPECT_EQ(stats["summary"]["missed"], 100);
     EXPECT_EQ(stats["frames"].front()["render_scale"], 1.0);
-    EXPECT_EQ(stats["frames"].back()["render_scale"], 0.5);
+    EXPECT_EQ(stats["frames"].back()["render_scale"], 0.4375);
     EXPECT_TRUE(stats["frames"].back()["lumel_budget"].is_number());
     expectOneLine(run({"shot", "square.gltf", "--budget-ms", "0", "-o", "a.png"}), 2, "--budget-ms");
     expectOneLine(run({"shot", "square.gltf", "--budget-ms", "9", "--shading", "reference", "-o", "a.png"}),

@@ -74,8 +74,9 @@ bool FeedbackPass::serveAgain(const Frame& frame, uint32_t divisor)
     if (frame_ == 0 || served_ + 1 != frame.index || divisor != kSparse || divisor_ != kSparse ||
         samples_ != samplesOf(frame, divisor) || frames >= kMostFrames)
         return false;
-    if (frames >= kLeastFrames && motionInPixels(frame.scene.objects(), frame.inView, clipFromObject_,
-                                                 frame.clipFromWorld, frame.renderSize) > kMostMotion)
+    if (frames >= kLeastFrames &&
+        motionInPixels(frame.scene.objects(), frame.inView, clipFromObject_, frame.clipFromWorld,
+                       frame.renderSize) > kMostMotion * float(frame.renderSize.y))
         return false;
     served_ = frame.index;
     return true;

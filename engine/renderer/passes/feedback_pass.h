@@ -31,7 +31,7 @@ public:
     // orbits of half a degree to two degrees a frame are those of samples in every frame.
     bool serveAgain(const Frame& frame, uint32_t divisor);
     static constexpr uint32_t kLeastFrames = 2, kMostFrames = 4;
-    static constexpr float kMostMotion = 24.0f; // pixels
+    static constexpr float kMostMotion = 0.045f; // of the picture's height: 24 pixels of 540
     // Pixels around what the samples stand for that may come into view before others are taken. Without them
     // silhouettes have too little light.
     float margin() const { return divisor_ == kSparse && late_ ? 1.0f : 0.0f; }
