@@ -1,6 +1,7 @@
 #include "gltf_unused.h"
-#include <algorithm>
 #include <functional>
+#include <optional>
+#include <utility>
 
 namespace lumel::baker {
 namespace {
@@ -35,23 +36,23 @@ bool isReferred(GltfFile& file, std::initializer_list<const char*> keys, size_t 
     return found;
 }
 
-// The last element takes the place of `freed` if it was added. Returns where it was, or `freed` if none was.
-size_t fill(GltfJson& array, size_t freed, size_t before)
+// Removes element `index` of an array of the root. The last one, if it was added, takes its place, and
+// references to that follow: `key` in the objects of `users`. Returns what was removed; nothing, and all
+// stays, if no element was added.
+std::optional<GltfJson> remove(GltfFile& file, const char* name, size_t index, size_t before,
+                               const char* users, const char* key)
 {
+    GltfJson& array = file.json[name];
     const size_t last = array.size() - 1;
     if (last < before)
-        return freed;
-    array[freed] = std::move(array[last]);
+        return std::nullopt;
+    GltfJson removed = std::exchange(array[index], std::move(array[last]));
     array.erase(last);
-    return last;
-}
-
-void renumber(GltfFile& file, const char* part, const char* key, size_t from, size_t to)
-{
-    forObjects(file.json[part], [&](GltfJson& object) {
-        if (isNumber(object, key, from))
-            object[key] = to;
+    forObjects(file.json[users], [&](GltfJson& object) {
+        if (isNumber(object, key, last))
+            object[key] = index;
     });
+    return removed;
 }
 
 size_t at(const GltfJson& object, const char* key)
@@ -84,31 +85,17 @@ void cut(GltfFile& file, size_t begin, size_t length)
     file.json["buffers"][0]["byteLength"] = file.binary.size();
 }
 
-void dropView(GltfFile& file, size_t view, const GltfCounts& before)
-{
-    GltfJson& views = file.json["bufferViews"];
-    const GltfJson old = views[view];
-    const size_t moved = fill(views, view, before.views);
-    if (moved == view)
-        return;
-    renumber(file, "images", "bufferView", moved, view);
-    cut(file, at(old, "byteOffset"), at(old, "byteLength"));
-}
-
 void dropImage(GltfFile& file, size_t image, const GltfCounts& before)
 {
-    GltfJson& images = file.json["images"];
-    const GltfJson old = images[image];
-    const size_t moved = fill(images, image, before.images);
-    if (moved == image)
+    const auto removed = remove(file, "images", image, before.images, "textures", "source");
+    if (!removed || !removed->contains("bufferView"))
         return;
-    renumber(file, "textures", "source", moved, image);
-    if (!old.contains("bufferView"))
-        return;
-    const size_t view = old["bufferView"];
+    const size_t view = (*removed)["bufferView"];
     const bool isOurs = !file.binary.empty() && isNumber(file.json["bufferViews"][view], "buffer", 0);
-    if (isOurs && !isReferred(file, {"bufferView"}, view))
-        dropView(file, view, before);
+    if (!isOurs || isReferred(file, {"bufferView"}, view))
+        return;
+    if (const auto bytes = remove(file, "bufferViews", view, before.views, "images", "bufferView"))
+        cut(file, at(*bytes, "byteOffset"), at(*bytes, "byteLength"));
 }
 
 } // namespace
@@ -124,15 +111,10 @@ void dropUnused(GltfFile& file, const GltfCounts& before, const std::set<size_t>
     for (const size_t texture : replaced) {
         if (isReferred(file, {"index", "texture"}, texture))
             continue;
-        GltfJson& textures = file.json["textures"];
-        const GltfJson old = textures[texture];
-        const size_t moved = fill(textures, texture, before.textures);
-        if (moved == texture)
-            continue;
-        renumber(file, "materials", "index", moved, texture);
-        if (!old.contains("source") || old.contains("extensions"))
+        const auto removed = remove(file, "textures", texture, before.textures, "materials", "index");
+        if (!removed || !removed->contains("source") || removed->contains("extensions"))
             continue; // other images may go with it
-        const size_t image = old["source"];
+        const size_t image = (*removed)["source"];
         if (!isReferred(file, {"source", "image"}, image))
             dropImage(file, image, before);
     }

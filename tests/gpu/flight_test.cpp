@@ -39,6 +39,11 @@ scene::Camera orbitAt(int frame, float degreesPerFrame = 1.0f)
     return cameraAt({9.0f * std::sin(angle), 2.0f, -2.2f + 9.0f * std::cos(angle)}, {0.0f, 0.0f, -2.2f});
 }
 
+ptrdiff_t framesWithFeedback(const std::vector<FrameStats>& frames)
+{
+    return std::ranges::count_if(frames, [](const FrameStats& f) { return f.passMs.contains("feedback"); });
+}
+
 TEST_F(FlightTest, SteadyFramesWaitForNoneButTheRings)
 {
     const TestScene s = ballsScene();
@@ -62,8 +67,7 @@ TEST_F(FlightTest, SteadyFramesWaitForNoneButTheRings)
         EXPECT_EQ(work.waits, 0u);
         EXPECT_EQ(work.ringWaits, 100u - count);
         ASSERT_EQ(frames.size(), 100u);
-        const auto looks = [](const FrameStats& frame) { return frame.passMs.contains("feedback"); };
-        EXPECT_EQ(std::ranges::count_if(frames, looks), 25) << "samples of a moving view serve four frames";
+        EXPECT_EQ(framesWithFeedback(frames), 25) << "samples of a moving view serve four frames";
         for (const FrameStats& frame : frames) {
             EXPECT_GT(frame.lumelsMarked, 0u);
             EXPECT_GT(frame.ms, 0.0);
@@ -86,8 +90,7 @@ TEST_F(FlightTest, FastMotionIsLookedAtInEverySecondFrame)
     renderer.finish();
     std::ranges::move(renderer.takeFinished(), std::back_inserter(frames));
     ASSERT_EQ(frames.size(), 20u);
-    const auto looks = [](const FrameStats& frame) { return frame.passMs.contains("feedback"); };
-    EXPECT_EQ(std::ranges::count_if(frames, looks), 11); // the first by itself
+    EXPECT_EQ(framesWithFeedback(frames), 11); // the first by itself
 }
 
 TEST_F(FlightTest, TheFirstFrameAndCutsShowWhatExactFramesShow)

@@ -186,7 +186,7 @@ std::map<uint32_t, size_t> PlanPass::lumelsByTileSize(const gpu::Device& device,
     return lumels;
 }
 
-// Whether the list of marks has to be made anew.
+// Whether the list of marks must be rebuilt; if so, it counts as rebuilt.
 bool PlanPass::needsMarks(const Frame& frame, const FeedbackPass& feedback)
 {
     toMark_.samples = feedback.frame();
