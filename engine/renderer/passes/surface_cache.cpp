@@ -45,8 +45,9 @@ void SurfaceCache::reserve(gpu::FrameRing& ring, size_t pages, size_t capBytes)
     const auto fitting = [](size_t all) { return all - std::min(all, kPagesBehind); };
     const size_t texels = device_.limits().core.maxTexelBufferElements;
     const size_t most = fitting(std::min(capBytes / kPageBytes, texels / shared::kTileLumels));
-    // Frames leave an eighth of the ring to what they add; views move on.
-    const size_t needed = std::min(pages + pages / 4, most), wanted = std::min(2 * pages, most);
+    // Frames leave an eighth of the ring to what they add; views move on. In a ring of twice what the view
+    // needs, half of the tiles that are found on an orbit had been found before.
+    const size_t needed = std::min(pages + pages / 4, most), wanted = std::min(3 * pages, most);
     const size_t fewest = std::min(fitting(roomFor(pages) / kPageBytes), most);
     if (state_.capacity > most) // textures grow: not past roomFor() if they can help it
         allocate(ring, uint32_t(fewest >= kLeastPages ? fewest : 0));
