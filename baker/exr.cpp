@@ -67,6 +67,7 @@ OIIO::ImageSpec makeSpec(const ReflectanceMips& mips, int width, int height, boo
     spec.attribute("DateTime", "1970:01:01 00:00:00"); // the same chain is the same file
     spec.attribute("lumel:model", mips.model);
     spec.attribute("lumel:method", mips.method);
+    spec.attribute("lumel:lobes", mips.lobes);
     spec.attribute("lumel:version", mips.version);
     spec.attribute("lumel:source", mips.source);
     return spec;
@@ -227,6 +228,21 @@ std::string attribute(const ImageFile& file, const char* name)
     return found == file.attributes.end() ? std::string() : found->second;
 }
 
+ReflectanceMips metadataOf(const ImageFile& file, const std::string& name)
+{
+    ReflectanceMips mips;
+    mips.model = attribute(file, "lumel:model");
+    mips.method = attribute(file, "lumel:method");
+    mips.lobes = attribute(file, "lumel:lobes");
+    if (mips.lobes.empty()) // older files do not tell which way two came about
+        mips.lobes = nameOf(file.channelNames.size() > kChannels ? LobeCount::automatic : LobeCount::one);
+    mips.version = attribute(file, "lumel:version");
+    mips.source = attribute(file, "lumel:source");
+    if (!isReadable(mips.version))
+        reject(name, fmt::format("baked by version '{}' instead of '{}'", mips.version, kVersion));
+    return mips;
+}
+
 } // namespace
 
 namespace {
@@ -299,13 +315,7 @@ ReflectanceMips readExr(const std::filesystem::path& file)
     const std::string name = file.string();
     ImageFile read = readExrLevels(file, kMaxTexelsPerByte);
     const auto indices = channelIndices(read.channelNames, name);
-    ReflectanceMips mips;
-    mips.model = attribute(read, "lumel:model");
-    mips.method = attribute(read, "lumel:method");
-    mips.version = attribute(read, "lumel:version");
-    mips.source = attribute(read, "lumel:source");
-    if (!isReadable(mips.version))
-        reject(name, fmt::format("baked by version '{}' instead of '{}'", mips.version, kVersion));
+    ReflectanceMips mips = metadataOf(read, name);
     for (Image& image : read.levels) {
         Level level = levelOf(image, indices, mips.levels.empty());
         image = Image();
@@ -315,16 +325,19 @@ ReflectanceMips readExr(const std::filesystem::path& file)
     return mips;
 }
 
+ReflectanceMips readExrMetadata(const std::filesystem::path& file, bool* isFloat)
+{
+    const ImageFile header = readExrHeader(file);
+    channelIndices(header.channelNames, file.string());
+    if (isFloat)
+        *isFloat = header.isFloat;
+    return metadataOf(header, file.string());
+}
+
 std::string bakedSource(const std::filesystem::path& file, bool* isFloat)
 {
     try {
-        const ImageFile header = readExrHeader(file);
-        channelIndices(header.channelNames, file.string());
-        if (!isReadable(attribute(header, "lumel:version")))
-            return "";
-        if (isFloat)
-            *isFloat = header.isFloat;
-        return attribute(header, "lumel:source");
+        return readExrMetadata(file, isFloat).source;
     } catch (const Error&) {
         return "";
     }

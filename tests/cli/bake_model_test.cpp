@@ -117,6 +117,54 @@ TEST_F(BakeModel, LooksTheSameWithItsBakeAndByItsMaps)
     EXPECT_GT(psnrOf("square.gltf", "baked.glb"), 40.0);
 }
 
+// One line says where a model's own chain is not what is asked for, or no longer fits its maps.
+TEST_F(BakeModel, ItsChainYieldsToOptionsAndToChangedMaps)
+{
+    unevenSquare();
+    for (const std::string model : {"baked.gltf", "baked.glb"}) {
+        ASSERT_EQ(run({"bake", "square.gltf", "-o", model}).exitCode, 0);
+        const auto shot = [&](std::vector<std::string> options) {
+            std::vector<std::string> words{"shot", model, "-o", "a.png", "--size", "32x32"};
+            words.insert(words.end(), options.begin(), options.end());
+            const Outcome outcome = run(words);
+            EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+            return outcome.err;
+        };
+        const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
+        const std::string usual = shot({});
+        EXPECT_EQ(usual.find("own chain"), std::string::npos) << usual;
+        EXPECT_EQ(shot({"--filter", "fit", "--lobes", "auto"}), usual);
+        EXPECT_EQ(shot({"--filter", "average", "--material", "uneven=baked_0.exr"}), usual);
+        const std::string averaged = shot({"--filter", "average", "--no-cache"});
+        EXPECT_NE(averaged.find("'uneven': method average in place of fit"), std::string::npos) << averaged;
+        EXPECT_NE(shot({"--lobes", "1"}).find("lobes 1 in place of auto"), std::string::npos);
+        EXPECT_GT(lines(averaged), lines(usual));
+    }
+    Image rough = readImage(folder_ / "baked_0_metallic_roughness.png");
+    rough.pixels[1] = 1.0f - rough.pixels[1];
+    writeImage(folder_ / "baked_0_metallic_roughness.png", rough);
+    const Outcome changed = run({"shot", "baked.gltf", "-o", "a.png", "--size", "32x32"});
+    EXPECT_EQ(changed.exitCode, 0);
+    EXPECT_NE(changed.err.find("'uneven': textures or factors have changed"), std::string::npos)
+        << changed.err;
+}
+
+TEST_F(BakeModel, ABakeForgetsTheOneBefore)
+{
+    json scene = unevenSquare();
+    scene["materials"][0]["extras"] = "any text";
+    writeScene(folder_ / "square.gltf", scene);
+    ASSERT_EQ(run({"bake", "square.gltf", "-o", "first.gltf", "--textures", "ktx2"}).exitCode, 0);
+    const json extras = jsonOf("first.gltf").at("materials")[0].at("extras");
+    EXPECT_EQ(extras.at("extras"), "any text");
+    EXPECT_TRUE(extras.at("lumel").contains("textures"));
+    ASSERT_EQ(run({"bake", "first.gltf", "-o", "second.gltf"}).exitCode, 0);
+    const json ours = jsonOf("second.gltf").at("materials")[0].at("extras").at("lumel");
+    EXPECT_EQ(ours.at("baked"), "second_0.exr");
+    EXPECT_NE(ours.at("maps"), extras.at("lumel").at("maps"));
+    EXPECT_FALSE(ours.contains("textures"));
+}
+
 TEST_F(BakeModel, MapsOfLevelZeroAreThoseOfTheModel)
 {
     unevenSquare();
