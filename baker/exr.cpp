@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include <OpenImageIO/imageio.h>
+#include <atomic>
 #include <bit>
 #include <fmt/format.h>
 #include <fstream>
@@ -168,15 +169,18 @@ private:
 
 void checkTexels(const Level& level, size_t number, const std::string& name)
 {
-    bool good = true;
-    for (size_t i = 0; i < level.texels.size(); i += kChannels) {
-        const float* t = &level.texels[i];
-        good = good && isLobe(t);
-        for (int c = kSecondChannels; c < kChannels; ++c)
-            good = good && std::isfinite(t[c]);
-    }
-    for (size_t i = 0; i < level.second.size(); i += kSecondChannels)
-        good = good && isLobe(&level.second[i]);
+    std::atomic<bool> good = true;
+    tbb::parallel_for(0, level.height, [&](int y) {
+        bool isGood = true;
+        for (int x = 0; x < level.width; ++x) {
+            const float* t = level.at(x, y);
+            isGood = isGood && isLobe(t) && (level.second.empty() || isLobe(level.secondAt(x, y)));
+            for (int c = kSecondChannels; c < kChannels; ++c)
+                isGood = isGood && std::isfinite(t[c]);
+        }
+        if (!isGood)
+            good = false;
+    });
     if (!good)
         reject(name, fmt::format("level {} holds a texel that is no lobe", number));
 }
@@ -207,13 +211,15 @@ Level levelOf(const Image& image, const std::vector<size_t>& indices, bool isFin
     Level level{image.width, image.height, std::vector<float>(count * kChannels), {}};
     const bool secondLobes = channels > kChannels && !isFinest;
     level.second.resize(secondLobes ? count * kSecondChannels : 0);
-    for (size_t i = 0; i < count; ++i) {
-        const float* from = &image.pixels[i * channels];
-        for (size_t c = 0; c < kChannels; ++c)
-            level.texels[i * kChannels + c] = from[indices[c]];
-        for (size_t c = 0; secondLobes && c < kSecondChannels; ++c)
-            level.second[i * kSecondChannels + c] = from[indices[kChannels + c]];
-    }
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 4096), [&](const auto& range) {
+        for (size_t i = range.begin(); i < range.end(); ++i) {
+            const float* from = &image.pixels[i * channels];
+            for (size_t c = 0; c < kChannels; ++c)
+                level.texels[i * kChannels + c] = from[indices[c]];
+            for (size_t c = 0; secondLobes && c < kSecondChannels; ++c)
+                level.second[i * kSecondChannels + c] = from[indices[kChannels + c]];
+        }
+    });
     return level;
 }
 
