@@ -75,8 +75,9 @@ public:
         baker::dropUnused(file_, counts_, replaced_);
         if (isBinary_)
             embedImages();
-        copyReferences();
         write();
+        checkNames();
+        copyReferences();
         files_.publish();
         return baked;
     }
@@ -234,7 +235,7 @@ private:
     scene::Material exchange(size_t index, const std::string& name, const std::vector<ExportMap>& maps)
     {
         scene::Material material = scene_.materials[index];
-        GltfJson& json = file_.json["materials"][index];
+        GltfJson json = file_.json["materials"][index]; // a copy: what is added to the root moves all of it
         const GltfJson placing = placingTexture(json) ? *placingTexture(json) : GltfJson();
         const GltfJson* place = placing.is_object() ? &placing : nullptr;
         if (material.normalImage >= 0 || material.heightImage >= 0) {
@@ -248,6 +249,7 @@ private:
             pbr.erase("roughnessFactor"); // it is in the map; the default is 1
             material.roughness = 1.0f;
         }
+        file_.json["materials"][index] = std::move(json);
         if (!arguments_.ktx2Textures)
             return material;
         for (const ExportMap& map : maps) {
@@ -263,7 +265,8 @@ private:
     {
         if (!file_.json.contains("images"))
             return;
-        for (GltfJson& image : file_.json["images"]) {
+        GltfJson images = std::move(file_.json["images"]); // views that are added move the root's members
+        for (GltfJson& image : images) {
             const std::string uri = image.value("uri", std::string());
             if (uri.empty() || scene::isDataUri(uri))
                 continue;
@@ -275,6 +278,30 @@ private:
             image["mimeType"] = type;
             image["bufferView"] = file_.addView(bytes);
         }
+        file_.json["images"] = std::move(images);
+    }
+
+    // Files of the model, as it names them in its folder.
+    std::vector<std::string> references() const
+    {
+        std::vector<std::string> names;
+        for (const char* key : {"buffers", "images"})
+            for (const GltfJson& element : file_.json.value(key, GltfJson::array())) {
+                const std::string uri = element.value("uri", std::string());
+                if (!uri.empty() && !scene::isDataUri(uri))
+                    names.push_back(
+                        fileOf(uri).lexically_relative(folderOf(arguments_.model)).generic_string());
+            }
+        return names;
+    }
+
+    // What is written must not take the place of what the model reads.
+    void checkNames() const
+    {
+        for (const std::string& name : files_.names())
+            if (std::ranges::find(references_, name) != references_.end())
+                throw Error(fmt::format("{}: the model reads a file of this name; choose another --output",
+                                        (files_.folder() / name).string()));
     }
 
     // Files that the model refers to, beside it as before.
@@ -282,16 +309,9 @@ private:
     {
         if (fs::equivalent(folderOf(arguments_.model), files_.folder()))
             return;
-        for (const char* key : {"buffers", "images"})
-            for (const GltfJson& element : file_.json.value(key, GltfJson::array())) {
-                const std::string uri = element.value("uri", std::string());
-                if (uri.empty() || scene::isDataUri(uri))
-                    continue;
-                const std::string name =
-                    fileOf(uri).lexically_relative(folderOf(arguments_.model)).generic_string();
-                if (std::ranges::find(files_.names(), name) == files_.names().end())
-                    files_.write(name, readFile(folderOf(arguments_.model) / name));
-            }
+        for (const std::string& name : references())
+            if (std::ranges::find(files_.names(), name) == files_.names().end())
+                files_.write(name, readFile(folderOf(arguments_.model) / name));
     }
 
     void write()
@@ -312,6 +332,7 @@ private:
     const scene::Scene scene_;
     GltfFile file_;
     const baker::GltfCounts counts_{file_.json};
+    const std::vector<std::string> references_{references()};
     std::set<size_t> replaced_;            // textures
     std::vector<std::string> imageHashes_; // of the model's images, then of those that were added
     baker::StagedFiles files_;

@@ -226,6 +226,42 @@ TEST_F(BakeModel, BadInputLeavesNothingBehind)
     EXPECT_EQ(files(), before);
 }
 
+// A library of materials: no meshes, so no buffers.
+TEST_F(BakeModel, ModelsWithoutBuffersAreBaked)
+{
+    json library = unevenSquare();
+    for (const char* key : {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes", "scene"})
+        library.erase(key);
+    writeText(folder_ / "library.gltf", library.dump());
+    for (const std::string output : {"baked.glb", "baked.gltf"}) {
+        const Outcome outcome = run({"bake", "library.gltf", "-o", output});
+        ASSERT_EQ(outcome.exitCode, 0) << outcome.err;
+        const json after = jsonOf(output);
+        EXPECT_EQ(after.at("materials")[0].at("extras").at("lumel").at("baked"), "baked_0.exr");
+        for (const json& image : after.at("images"))
+            EXPECT_EQ(image.contains("bufferView"), output == "baked.glb");
+    }
+    library["materials"] = json::array();
+    writeText(folder_ / "library.gltf", library.dump());
+    EXPECT_EQ(run({"bake", "library.gltf", "-o", "none.glb"}).exitCode, 0);
+}
+
+TEST_F(BakeModel, FilesThatTheModelReadsAreNotReplaced)
+{
+    json scene = unevenSquare();
+    fs::rename(folder_ / "normal.png", folder_ / "out_0_normal.png");
+    scene["images"][0]["uri"] = "out_0_normal.png";
+    writeScene(folder_ / "square.gltf", scene);
+    const std::string before = readText(folder_ / "out_0_normal.png");
+    fs::create_directory(folder_ / "there");
+    for (const std::string output : {"out.gltf", "there/out.gltf"})
+        expectOneLine(run({"bake", "square.gltf", "-o", output}), 1, "out_0_normal.png");
+    EXPECT_EQ(readText(folder_ / "out_0_normal.png"), before);
+    EXPECT_FALSE(fs::exists(folder_ / "out_0.exr"));
+    EXPECT_TRUE(fs::is_empty(folder_ / "there"));
+    EXPECT_EQ(run({"bake", "square.gltf", "-o", "out.glb"}).exitCode, 0) << "which holds its images";
+}
+
 TEST_F(BakeModel, BakesOfMapsAreExportedToo)
 {
     writeHeightMap(folder_ / "h.png", 24, 16);
