@@ -112,7 +112,8 @@ void GgxAverage::collect(const GgxMeans& means)
         all += strength;
     });
     // What was left out does not change what is reflected in all.
-    const float scale = all > 0.0f ? means.strength / all : 0.0f;
+    const size_t texels = size_t(columns_.last - columns_.first) * size_t(rows_.last - rows_.first);
+    const float scale = terms_.size() < texels && all > 0.0f ? means.strength / all : 1.0f;
     for (size_t i = 0; i < terms_.size(); ++i) {
         strengths_[i] *= scale;
         terms_[i].scale *= strengths_[i];
