@@ -5,7 +5,6 @@
 #include <tbb/task_arena.h>
 
 namespace lumel::baker {
-namespace {
 
 const char* nameOf(Method method)
 {
@@ -27,6 +26,18 @@ const char* nameOf(Method method)
     }
     return "";
 }
+
+const char* nameOf(Model model)
+{
+    return model == Model::blinnPhong ? "blinn-phong" : "ashikhmin-shirley";
+}
+
+const char* nameOf(LobeCount lobes)
+{
+    return lobes == LobeCount::one ? "1" : lobes == LobeCount::two ? "2" : "auto";
+}
+
+namespace {
 
 struct MemorySink : LevelSink {
     std::vector<Level>& levels;
@@ -69,8 +80,9 @@ ReflectanceMips bake(const Maps& maps, const Options& options, Progress* progres
 ReflectanceMips metadata(const Maps& maps, const Options& options)
 {
     ReflectanceMips mips;
-    mips.model = options.model == Model::blinnPhong ? "blinn-phong" : "ashikhmin-shirley";
+    mips.model = nameOf(options.model);
     mips.method = nameOf(options.method);
+    mips.lobes = nameOf(options.method == Method::fit ? options.lobes : LobeCount::one);
     mips.version = kVersion;
     mips.source = sourceHash(maps, options);
     return mips;

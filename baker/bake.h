@@ -30,6 +30,11 @@ enum class Reconstruction { box, bilinear };
 // Lobes of a texel above level 0. Automatic: a second one where it lowers E by a quarter and by 0.005.
 enum class LobeCount { one, two, automatic };
 
+// As options and baked files name them.
+const char* nameOf(Method method);
+const char* nameOf(Model model);
+const char* nameOf(LobeCount lobes);
+
 // One texel of a baked level; the order of the file's channels.
 enum Channel { kNx, kNy, kSxx, kSxy, kSyy, kKsR, kKsG, kKsB, kKdR, kKdG, kKdB, kError, kChannels };
 // Its second lobe, F = F1 + F2. Kd then is along the lobes' mean normal: x and y of both, weighted by the
@@ -93,8 +98,8 @@ struct Level {
 };
 
 struct ReflectanceMips {
-    std::vector<Level> levels;                  // level L is max(1, floor(size / 2^L)); the last is 1 x 1
-    std::string model, method, version, source; // the file's lumel:* metadata
+    std::vector<Level> levels; // level L is max(1, floor(size / 2^L)); the last is 1 x 1
+    std::string model, method, lobes, version, source; // the file's lumel:* metadata
 };
 
 // Of the chain's level 0, before any reduction: that of the largest map.
@@ -145,8 +150,10 @@ ReflectanceMips bakeExr(const std::filesystem::path& file, const Maps& maps, con
                         bool asFloat, Progress* progress);
 // Throws Error when the file is not such a chain, complete and finite.
 ReflectanceMips readExr(const std::filesystem::path& file);
-// lumel:source of a baked file that readExr() would accept by its header, else empty.
+// Its metadata without its levels. Throws Error when readExr() would not accept the file by its header.
 // `isFloat`, when given, is set to whether it stores single precision.
+ReflectanceMips readExrMetadata(const std::filesystem::path& file, bool* isFloat = nullptr);
+// lumel:source of a file whose metadata can be read, else empty.
 std::string bakedSource(const std::filesystem::path& file, bool* isFloat = nullptr);
 
 } // namespace lumel::baker

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include <OpenImageIO/imageio.h>
+#include <atomic>
 #include <bit>
 #include <fmt/format.h>
 #include <fstream>
@@ -67,6 +68,7 @@ OIIO::ImageSpec makeSpec(const ReflectanceMips& mips, int width, int height, boo
     spec.attribute("DateTime", "1970:01:01 00:00:00"); // the same chain is the same file
     spec.attribute("lumel:model", mips.model);
     spec.attribute("lumel:method", mips.method);
+    spec.attribute("lumel:lobes", mips.lobes);
     spec.attribute("lumel:version", mips.version);
     spec.attribute("lumel:source", mips.source);
     return spec;
@@ -167,15 +169,18 @@ private:
 
 void checkTexels(const Level& level, size_t number, const std::string& name)
 {
-    bool good = true;
-    for (size_t i = 0; i < level.texels.size(); i += kChannels) {
-        const float* t = &level.texels[i];
-        good = good && isLobe(t);
-        for (int c = kSecondChannels; c < kChannels; ++c)
-            good = good && std::isfinite(t[c]);
-    }
-    for (size_t i = 0; i < level.second.size(); i += kSecondChannels)
-        good = good && isLobe(&level.second[i]);
+    std::atomic<bool> good = true;
+    tbb::parallel_for(0, level.height, [&](int y) {
+        bool isGood = true;
+        for (int x = 0; x < level.width; ++x) {
+            const float* t = level.at(x, y);
+            isGood = isGood && isLobe(t) && (level.second.empty() || isLobe(level.secondAt(x, y)));
+            for (int c = kSecondChannels; c < kChannels; ++c)
+                isGood = isGood && std::isfinite(t[c]);
+        }
+        if (!isGood)
+            good = false;
+    });
     if (!good)
         reject(name, fmt::format("level {} holds a texel that is no lobe", number));
 }
@@ -206,13 +211,15 @@ Level levelOf(const Image& image, const std::vector<size_t>& indices, bool isFin
     Level level{image.width, image.height, std::vector<float>(count * kChannels), {}};
     const bool secondLobes = channels > kChannels && !isFinest;
     level.second.resize(secondLobes ? count * kSecondChannels : 0);
-    for (size_t i = 0; i < count; ++i) {
-        const float* from = &image.pixels[i * channels];
-        for (size_t c = 0; c < kChannels; ++c)
-            level.texels[i * kChannels + c] = from[indices[c]];
-        for (size_t c = 0; secondLobes && c < kSecondChannels; ++c)
-            level.second[i * kSecondChannels + c] = from[indices[kChannels + c]];
-    }
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 4096), [&](const auto& range) {
+        for (size_t i = range.begin(); i < range.end(); ++i) {
+            const float* from = &image.pixels[i * channels];
+            for (size_t c = 0; c < kChannels; ++c)
+                level.texels[i * kChannels + c] = from[indices[c]];
+            for (size_t c = 0; secondLobes && c < kSecondChannels; ++c)
+                level.second[i * kSecondChannels + c] = from[indices[kChannels + c]];
+        }
+    });
     return level;
 }
 
@@ -225,6 +232,21 @@ std::string attribute(const ImageFile& file, const char* name)
 {
     const auto found = file.attributes.find(name);
     return found == file.attributes.end() ? std::string() : found->second;
+}
+
+ReflectanceMips metadataOf(const ImageFile& file, const std::string& name)
+{
+    ReflectanceMips mips;
+    mips.model = attribute(file, "lumel:model");
+    mips.method = attribute(file, "lumel:method");
+    mips.lobes = attribute(file, "lumel:lobes");
+    if (mips.lobes.empty()) // older files do not tell which way two came about
+        mips.lobes = nameOf(file.channelNames.size() > kChannels ? LobeCount::automatic : LobeCount::one);
+    mips.version = attribute(file, "lumel:version");
+    mips.source = attribute(file, "lumel:source");
+    if (!isReadable(mips.version))
+        reject(name, fmt::format("baked by version '{}' instead of '{}'", mips.version, kVersion));
+    return mips;
 }
 
 } // namespace
@@ -299,13 +321,7 @@ ReflectanceMips readExr(const std::filesystem::path& file)
     const std::string name = file.string();
     ImageFile read = readExrLevels(file, kMaxTexelsPerByte);
     const auto indices = channelIndices(read.channelNames, name);
-    ReflectanceMips mips;
-    mips.model = attribute(read, "lumel:model");
-    mips.method = attribute(read, "lumel:method");
-    mips.version = attribute(read, "lumel:version");
-    mips.source = attribute(read, "lumel:source");
-    if (!isReadable(mips.version))
-        reject(name, fmt::format("baked by version '{}' instead of '{}'", mips.version, kVersion));
+    ReflectanceMips mips = metadataOf(read, name);
     for (Image& image : read.levels) {
         Level level = levelOf(image, indices, mips.levels.empty());
         image = Image();
@@ -315,16 +331,19 @@ ReflectanceMips readExr(const std::filesystem::path& file)
     return mips;
 }
 
+ReflectanceMips readExrMetadata(const std::filesystem::path& file, bool* isFloat)
+{
+    const ImageFile header = readExrHeader(file);
+    channelIndices(header.channelNames, file.string());
+    if (isFloat)
+        *isFloat = header.isFloat;
+    return metadataOf(header, file.string());
+}
+
 std::string bakedSource(const std::filesystem::path& file, bool* isFloat)
 {
     try {
-        const ImageFile header = readExrHeader(file);
-        channelIndices(header.channelNames, file.string());
-        if (!isReadable(attribute(header, "lumel:version")))
-            return "";
-        if (isFloat)
-            *isFloat = header.isFloat;
-        return attribute(header, "lumel:source");
+        return readExrMetadata(file, isFloat).source;
     } catch (const Error&) {
         return "";
     }

@@ -4,6 +4,9 @@
 #include "gltf_square.h"
 #include "ktx2.h"
 #include <fmt/format.h>
+#include <functional>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace lumel::baker {
 namespace {
@@ -14,9 +17,11 @@ Image encodedForBytes(const ExportMap& map, size_t level)
 {
     Image image = map.levels[level];
     if (map.colourSpace == ColourSpace::srgb)
-        for (size_t i = 0; i < image.pixels.size(); ++i)
-            if (i % size_t(image.channels) < 3)
-                image.pixels[i] = linearToSrgb(image.pixels[i]);
+        tbb::parallel_for(0, image.height, [&](int y) {
+            for (int x = 0; x < image.width; ++x)
+                for (int c = 0; c < std::min(image.channels, 3); ++c)
+                    image.at(x, y)[c] = linearToSrgb(image.at(x, y)[c]);
+        });
     return image;
 }
 
@@ -55,30 +60,47 @@ Json describe(const ExportMap& map, const std::string& texels)
             {"files", Json::array()}};
 }
 
-// One file a level.
-Json writePictures(const std::string& name, const ExportMap& map, bool asExr, StagedFiles& files)
+// One file a level, all at once.
+void writePictures(const std::string& name, const std::vector<ExportMap>& maps, bool asExr,
+                   StagedFiles& files, Json& description)
 {
-    Json json = describe(map, asExr ? "half float" : "8 bit");
-    for (size_t l = 0; l < map.levels.size(); ++l) {
-        checkInterrupted();
-        const std::string file = fmt::format("{}_{}_{:02}.{}", name, map.name, l, asExr ? "exr" : "png");
-        writeImage(files.path(file), asExr ? map.levels[l] : encodedForBytes(map, l));
-        json["files"].push_back(file);
+    std::vector<std::function<void()>> work;
+    for (const ExportMap& map : maps) {
+        Json json = describe(map, asExr ? "half float" : "8 bit");
+        for (size_t l = 0; l < map.levels.size(); ++l) {
+            const std::string file = fmt::format("{}_{}_{:02}.{}", name, map.name, l, asExr ? "exr" : "png");
+            work.push_back([&map, l, asExr, path = files.path(file)] {
+                checkInterrupted();
+                writeImage(path, asExr ? map.levels[l] : encodedForBytes(map, l));
+            });
+            json["files"].push_back(file);
+        }
+        description.push_back(std::move(json));
     }
-    return json;
+    tbb::parallel_for(size_t(0), work.size(), [&](size_t i) { work[i](); });
 }
 
 // All levels in one.
-Json writeTexture(const std::string& name, const ExportMap& map, const ExportOptions& options, bool asDds,
-                  StagedFiles& files)
+void writeTextures(const std::string& name, const std::vector<ExportMap>& maps, const ExportOptions& options,
+                   bool asDds, StagedFiles& files, Json& description)
 {
-    checkInterrupted();
-    Json json = describe(map, nameOf(formatOf(map, options.storage)));
-    const std::string file = fmt::format("{}_{}.{}", name, map.name, asDds ? "dds" : "ktx2");
-    files.write(file, asDds ? encodeDds(map, options.storage, options.ddsHeader)
-                            : encodeKtx2(map, options.storage, options.zstandard));
-    json["files"].push_back(file);
-    return json;
+    std::vector<std::vector<std::byte>> contents(maps.size());
+    const auto encode = [&](size_t i) {
+        checkInterrupted();
+        contents[i] = asDds ? encodeDds(maps[i], options.storage, options.ddsHeader)
+                            : encodeKtx2(maps[i], options.storage, options.zstandard);
+    };
+    if (options.zstandard) // small, and one map takes one core
+        tbb::parallel_for(size_t(0), maps.size(), encode);
+    for (size_t i = 0; i < maps.size(); ++i) {
+        if (!options.zstandard)
+            encode(i);
+        Json json = describe(maps[i], nameOf(formatOf(maps[i], options.storage)));
+        const std::string file = fmt::format("{}_{}.{}", name, maps[i].name, asDds ? "dds" : "ktx2");
+        files.write(file, std::exchange(contents[i], {}));
+        json["files"].push_back(file);
+        description.push_back(std::move(json));
+    }
 }
 
 constexpr const char* kMethod =
@@ -112,22 +134,23 @@ Json describeLevels(const std::vector<GgxLevel>& levels)
 void writeMaps(const std::string& name, const std::vector<ExportMap>& maps, const ExportOptions& options,
                StagedFiles& files, Json& description)
 {
-    for (const ExportMap& map : maps)
+    const auto write = [&] {
         switch (options.format) {
         case ExportFormat::png:
         case ExportFormat::exr:
-            description["maps"].push_back(
-                writePictures(name, map, options.format == ExportFormat::exr, files));
+            writePictures(name, maps, options.format == ExportFormat::exr, files, description["maps"]);
             break;
         case ExportFormat::dds:
-            description["maps"].push_back(writeTexture(name, map, options, true, files));
-            break;
         case ExportFormat::gltf:
         case ExportFormat::glb:
         case ExportFormat::ktx2:
-            description["maps"].push_back(writeTexture(name, map, options, false, files));
+            writeTextures(name, maps, options, options.format == ExportFormat::dds, files,
+                          description["maps"]);
             break;
         }
+    };
+    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+    arena.execute(write);
 }
 
 std::string exportMips(const ExportSource& source, const ExportOptions& options, StagedFiles& files,

@@ -104,7 +104,7 @@ GgxBase baseOf(const Level& level, const Image* roughness)
                 unclamp(base.texels[i], *roughness,
                         {(float(i % size_t(level.width)) + 0.5f) / float(level.width),
                          (float(i / size_t(level.width)) + 0.5f) / float(level.height)});
-            base.lobes[i] = GgxLobe(base.texels[i].shape);
+            base.lobes[i] = ggxTerm(base.texels[i].shape);
         }
     });
     base.isIsotropic = std::ranges::all_of(base.texels, [](const auto& t) { return isIsotropic(t.shape); });

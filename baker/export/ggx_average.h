@@ -9,10 +9,10 @@ namespace lumel::baker {
 struct GgxBase {
     int width = 0, height = 0;
     std::vector<GgxTexel> texels;
-    std::vector<GgxLobe> lobes;
+    std::vector<GgxTerm> lobes;
     bool isIsotropic = true;
     const GgxTexel& at(int x, int y) const { return texels[size_t(y) * size_t(width) + size_t(x)]; }
-    const GgxLobe& lobeAt(int x, int y) const { return lobes[size_t(y) * size_t(width) + size_t(x)]; }
+    const GgxTerm& lobeAt(int x, int y) const { return lobes[size_t(y) * size_t(width) + size_t(x)]; }
 };
 
 // Means over the level-0 texels under one texel.
@@ -35,23 +35,29 @@ public:
     GgxMeans means(int x, int y, int width, int height);
     // Of the texel of the last means(): the average at nodes drawn from it, from a lobe twice as rough as
     // `near` and evenly from the disc, a third each, with the weights by which they are summed (importance
-    // sampling of a mixture).
+    // sampling of a mixture). Where there are many lobes, of some of them.
     void sum(const GgxMeans& means, const GgxShape& near);
 
     // Error of what a display shows of strength * lobe, relative to the square of what it shows of the
     // average.
-    double error(const GgxMeans& means, const GgxShape& shape);
+    double error(const GgxMeans& means, const GgxShape& shape) const;
 
 private:
     template<class Use>
     void forTexels(const Use& use) const;
-    void place(const GgxMeans& means, const GgxShape& broad);
+    template<class Use>
+    void forSomeTexels(const Use& use) const;
+    void collect(const GgxMeans& means);
+    GgxNodes::Lobes pick(const GgxMeans& means) const;
 
     const GgxBase& base_;
     Footprint columns_{0.0, 1.0}, rows_{0.0, 1.0};
+    std::vector<GgxTerm> terms_;          // those that are averaged, each times what it reflects
+    std::vector<const GgxShape*> shapes_; // the same
+    std::vector<float> strengths_;        // what they reflect: in all, the mean's strength
     GgxNodes nodes_;
-    GgxNodes::Values shown_{}, weights_{}, values_{}; // shown_: of the average
-    double square_ = 0.0;                             // of shown_
+    GgxNodes::Values shown_{}, weights_{}; // shown_: of the average
+    double square_ = 0.0;                  // of shown_
 };
 
 float luminanceOf(glm::vec3 colour);

@@ -1,13 +1,17 @@
 #include "texels.h"
 #include <array>
 #include <stb/stb_dxt.h>
+#include <tbb/parallel_for.h>
 
 namespace lumel::baker {
 namespace {
 
+// The nearest, halves upwards.
 uint8_t byteOf(float value)
 {
-    return uint8_t(std::lround(std::clamp(value, 0.0f, 1.0f) * 255.0f));
+    const float scaled = std::clamp(value, 0.0f, 1.0f) * 255.0f;
+    const int below = int(scaled);
+    return uint8_t(below + (scaled - float(below) >= 0.5f ? 1 : 0));
 }
 
 float valueAt(const Image& image, int x, int y, int channel)
@@ -18,44 +22,49 @@ float valueAt(const Image& image, int x, int y, int channel)
 
 std::vector<std::byte> bytesOf(const Image& image, int channels, bool srgb)
 {
-    std::vector<std::byte> bytes;
-    bytes.reserve(size_t(image.width) * size_t(image.height) * size_t(channels));
-    for (int y = 0; y < image.height; ++y)
+    const size_t row = size_t(image.width) * size_t(channels);
+    std::vector<std::byte> bytes(row * size_t(image.height));
+    tbb::parallel_for(0, image.height, [&](int y) {
+        std::byte* to = bytes.data() + row * size_t(y);
         for (int x = 0; x < image.width; ++x)
             for (int c = 0; c < channels; ++c) {
                 const float value = valueAt(image, x, y, c);
-                bytes.push_back(std::byte(byteOf(srgb && c < 3 ? linearToSrgb(value) : value)));
+                *to++ = std::byte(byteOf(srgb && c < 3 ? linearToSrgb(value) : value));
             }
+    });
     return bytes;
 }
 
 std::vector<std::byte> halvesOf(const Image& image)
 {
-    std::vector<float> values;
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x)
-            for (int c = 0; c < 4; ++c)
-                values.push_back(valueAt(image, x, y, c));
-    std::vector<std::byte> bytes(values.size() * sizeof(uint16_t));
-    floatsToHalf(values, reinterpret_cast<uint16_t*>(bytes.data()));
+    const size_t row = 4 * size_t(image.width);
+    std::vector<std::byte> bytes(row * size_t(image.height) * sizeof(uint16_t));
+    tbb::parallel_for(0, image.height, [&](int y) {
+        std::vector<float> values(row);
+        for (size_t i = 0; i < row; ++i)
+            values[i] = valueAt(image, int(i / 4), y, int(i % 4));
+        floatsToHalf(values, reinterpret_cast<uint16_t*>(bytes.data()) + row * size_t(y));
+    });
     return bytes;
 }
 
 // BC5 is two blocks of BC4, of the first two channels.
 std::vector<std::byte> blocksOf(const Image& image, int channels)
 {
-    std::vector<std::byte> bytes;
-    std::array<unsigned char, 16> texels{};
-    std::array<unsigned char, 8> block{};
-    for (int y = 0; y < image.height; y += 4)
-        for (int x = 0; x < image.width; x += 4)
-            for (int c = 0; c < channels; ++c) {
+    constexpr size_t kBlock = 8; // bytes
+    const int columns = (image.width + 3) / 4, rows = (image.height + 3) / 4;
+    const size_t row = size_t(columns) * size_t(channels) * kBlock;
+    std::vector<std::byte> bytes(row * size_t(rows));
+    tbb::parallel_for(0, rows, [&](int y) {
+        auto* to = reinterpret_cast<unsigned char*>(bytes.data() + row * size_t(y));
+        std::array<unsigned char, 16> texels{};
+        for (int x = 0; x < columns; ++x)
+            for (int c = 0; c < channels; ++c, to += kBlock) {
                 for (int i = 0; i < 16; ++i)
-                    texels[size_t(i)] = byteOf(valueAt(image, x + i % 4, y + i / 4, c));
-                stb_compress_bc4_block(block.data(), texels.data());
-                for (const unsigned char byte : block)
-                    bytes.push_back(std::byte(byte));
+                    texels[size_t(i)] = byteOf(valueAt(image, 4 * x + i % 4, 4 * y + i / 4, c));
+                stb_compress_bc4_block(to, texels.data());
             }
+    });
     return bytes;
 }
 

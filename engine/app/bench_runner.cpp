@@ -147,13 +147,16 @@ BenchRunner::Uploaded BenchRunner::upload(const scene::Scene& scene) const
         const baker::Method method = shading.filter.value_or(arguments_.filter);
         if (all.materials.contains(method))
             continue;
+        scene::AskedBake asked = arguments_.asked;
+        asked.method = asked.method || shading.filter;
         const std::vector<scene::BakedMaterial> baked =
             scene::bakeMaterials(scene, {.method = method,
                                          .model = arguments_.model,
                                          .lobes = arguments_.lobes,
                                          .useCache = arguments_.useCache,
                                          .threads = arguments_.threads,
-                                         .quick = arguments_.quick});
+                                         .quick = arguments_.quick,
+                                         .asked = asked});
         all.materials[method] = std::make_shared<MaterialResources>(device_, scene, baked);
         if (!all.geometry)
             all.geometry = std::make_shared<const GeometryResources>(device_, scene, baked);

@@ -11,6 +11,7 @@
 #include "gltf/uri.h"
 #include "scene/material_images.h"
 #include "scene/material_maps.h"
+#include "scene/own_chains.h"
 #include <chrono>
 #include <cstring>
 #include <fmt/format.h>
@@ -61,6 +62,8 @@ public:
     {
         if (isBinary_)
             takeFirstBuffer();
+        for (const scene::SceneImage& image : scene_.images)
+            imageHashes_.push_back(scene::imageHash(image.bytes));
     }
 
     // Returns how many materials were baked.
@@ -72,8 +75,9 @@ public:
         baker::dropUnused(file_, counts_, replaced_);
         if (isBinary_)
             embedImages();
-        copyReferences();
         write();
+        checkNames();
+        copyReferences();
         files_.publish();
         return baked;
     }
@@ -112,6 +116,7 @@ private:
     bool bake(size_t index)
     {
         const scene::Material& material = scene_.materials[index];
+        forgetBake(index);
         if (material.unlit)
             return false;
         baker::Maps maps = scene::reflectanceMaps(scene_, material);
@@ -129,10 +134,31 @@ private:
         }
         const std::string name = fmt::format("{}_{}", stem_, index);
         baker::writeExr(files_.path(name + ".exr"), mips, arguments_.asFloat);
-        GltfJson& ours = file_.json["materials"][index]["extras"]["lumel"];
+        scene::Material written = exchange(index, name, mapsOf(material, maps, std::move(mips)));
+        GltfJson& ours = oursOf(index);
         ours["baked"] = name + ".exr";
-        exchange(index, name, mapsOf(material, maps, std::move(mips)));
+        ours["maps"] = scene::mapsHash(written, imageHashes_);
         return true;
+    }
+
+    // extras.lumel of a material. Extras may be anything: what is no object moves into one.
+    GltfJson& oursOf(size_t index)
+    {
+        GltfJson& extras = file_.json["materials"][index]["extras"];
+        if (!extras.is_object() && !extras.is_null())
+            extras = GltfJson{{"extras", extras}};
+        return extras["lumel"];
+    }
+
+    // What an earlier bake wrote.
+    void forgetBake(size_t index)
+    {
+        const GltfJson::json_pointer place("/extras/lumel");
+        GltfJson& material = file_.json["materials"][index];
+        if (!material.contains(place))
+            return;
+        for (const char* key : {"baked", "maps", "textures"})
+            material[place].erase(key);
     }
 
     // Normal and metallic-roughness maps: all levels if files hold them, else the first.
@@ -172,18 +198,20 @@ private:
                 map.levels[l].pixels[3 * i + 2] = levels[l].pixels[i];
     }
 
-    // Sets a texture of the material, read where its others are.
-    void replace(GltfJson& info, const std::string& name, const ExportMap& map, const GltfJson* placing)
+    // Sets a texture of the material, read where its others are. Returns the image's place in imageHashes_.
+    int replace(GltfJson& info, const std::string& name, const ExportMap& map, const GltfJson* placing)
     {
         if (info.contains("index"))
             replaced_.insert(info["index"].get<size_t>());
-        info = textureOf(name, map, placing);
+        const std::vector<unsigned char> png = baker::pngOf(map);
+        info = textureOf(fmt::format("{}_{}", name, map.name), png, placing);
+        imageHashes_.push_back(scene::imageHash(std::as_bytes(std::span(png))));
+        return int(imageHashes_.size()) - 1;
     }
 
-    GltfJson textureOf(const std::string& name, const ExportMap& map, const GltfJson* placing)
+    GltfJson textureOf(const std::string& name, const std::vector<unsigned char>& png,
+                       const GltfJson* placing)
     {
-        const std::string own = fmt::format("{}_{}", name, map.name);
-        const std::vector<unsigned char> png = baker::pngOf(map);
         GltfJson texture = GltfJson::object(), info = GltfJson::object();
         if (placing) {
             info = *placing;
@@ -194,35 +222,42 @@ private:
             info.erase("strength");
         }
         if (isBinary_) {
-            texture["source"] = file_.addPng(own, png);
+            texture["source"] = file_.addPng(name, png);
         } else {
-            files_.write(own + ".png", std::as_bytes(std::span(png)));
-            texture["source"] = file_.add("images", {{"name", own}, {"uri", own + ".png"}});
+            files_.write(name + ".png", std::as_bytes(std::span(png)));
+            texture["source"] = file_.add("images", {{"name", name}, {"uri", name + ".png"}});
         }
         info["index"] = file_.add("textures", std::move(texture));
         return info;
     }
 
-    void exchange(size_t index, const std::string& name, const std::vector<ExportMap>& maps)
+    // Returns the material as it is read from what is written.
+    scene::Material exchange(size_t index, const std::string& name, const std::vector<ExportMap>& maps)
     {
-        const scene::Material& material = scene_.materials[index];
-        GltfJson& json = file_.json["materials"][index];
+        scene::Material material = scene_.materials[index];
+        GltfJson json = file_.json["materials"][index]; // a copy: what is added to the root moves all of it
         const GltfJson placing = placingTexture(json) ? *placingTexture(json) : GltfJson();
         const GltfJson* place = placing.is_object() ? &placing : nullptr;
-        if (material.normalImage >= 0 || material.heightImage >= 0)
-            replace(json["normalTexture"], name, maps[0], place);
+        if (material.normalImage >= 0 || material.heightImage >= 0) {
+            material.normalImage = replace(json["normalTexture"], name, maps[0], place);
+            material.normalScale = 1.0f;
+        }
         if (material.metallicRoughnessImage >= 0 && !material.specularGlossiness) {
             GltfJson& pbr = json["pbrMetallicRoughness"];
-            replace(pbr["metallicRoughnessTexture"], name, maps[1], place);
+            material.metallicRoughnessImage = replace(pbr["metallicRoughnessTexture"], name, maps[1], place);
+            material.metallicRoughnessUv = material.uv;
             pbr.erase("roughnessFactor"); // it is in the map; the default is 1
+            material.roughness = 1.0f;
         }
+        file_.json["materials"][index] = std::move(json);
         if (!arguments_.ktx2Textures)
-            return;
+            return material;
         for (const ExportMap& map : maps) {
             const std::string file = fmt::format("{}_{}.ktx2", name, map.name);
             files_.write(file, baker::encodeKtx2(map, baker::TexelStorage::bytes, false));
-            json["extras"]["lumel"]["textures"][map.name] = file;
+            oursOf(index)["textures"][map.name] = file;
         }
+        return material;
     }
 
     // A .glb holds its images: a file that can be moved alone.
@@ -230,7 +265,8 @@ private:
     {
         if (!file_.json.contains("images"))
             return;
-        for (GltfJson& image : file_.json["images"]) {
+        GltfJson images = std::move(file_.json["images"]); // views that are added move the root's members
+        for (GltfJson& image : images) {
             const std::string uri = image.value("uri", std::string());
             if (uri.empty() || scene::isDataUri(uri))
                 continue;
@@ -242,6 +278,30 @@ private:
             image["mimeType"] = type;
             image["bufferView"] = file_.addView(bytes);
         }
+        file_.json["images"] = std::move(images);
+    }
+
+    // Files of the model, as it names them in its folder.
+    std::vector<std::string> references() const
+    {
+        std::vector<std::string> names;
+        for (const char* key : {"buffers", "images"})
+            for (const GltfJson& element : file_.json.value(key, GltfJson::array())) {
+                const std::string uri = element.value("uri", std::string());
+                if (!uri.empty() && !scene::isDataUri(uri))
+                    names.push_back(
+                        fileOf(uri).lexically_relative(folderOf(arguments_.model)).generic_string());
+            }
+        return names;
+    }
+
+    // What is written must not take the place of what the model reads.
+    void checkNames() const
+    {
+        for (const std::string& name : files_.names())
+            if (std::ranges::find(references_, name) != references_.end())
+                throw Error(fmt::format("{}: the model reads a file of this name; choose another --output",
+                                        (files_.folder() / name).string()));
     }
 
     // Files that the model refers to, beside it as before.
@@ -249,16 +309,9 @@ private:
     {
         if (fs::equivalent(folderOf(arguments_.model), files_.folder()))
             return;
-        for (const char* key : {"buffers", "images"})
-            for (const GltfJson& element : file_.json.value(key, GltfJson::array())) {
-                const std::string uri = element.value("uri", std::string());
-                if (uri.empty() || scene::isDataUri(uri))
-                    continue;
-                const std::string name =
-                    fileOf(uri).lexically_relative(folderOf(arguments_.model)).generic_string();
-                if (std::ranges::find(files_.names(), name) == files_.names().end())
-                    files_.write(name, readFile(folderOf(arguments_.model) / name));
-            }
+        for (const std::string& name : references())
+            if (std::ranges::find(files_.names(), name) == files_.names().end())
+                files_.write(name, readFile(folderOf(arguments_.model) / name));
     }
 
     void write()
@@ -279,7 +332,9 @@ private:
     const scene::Scene scene_;
     GltfFile file_;
     const baker::GltfCounts counts_{file_.json};
-    std::set<size_t> replaced_; // textures
+    const std::vector<std::string> references_{references()};
+    std::set<size_t> replaced_;            // textures
+    std::vector<std::string> imageHashes_; // of the model's images, then of those that were added
     baker::StagedFiles files_;
     const std::string stem_;
     const bool isBinary_;

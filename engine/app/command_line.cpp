@@ -30,9 +30,10 @@ public:
             set(name, fmt::format("{}", value)); // the shortest text that is read as the same number
     }
     template<class Enum, size_t count>
-    void add(const char* name, Enum value, Enum byDefault, const std::array<const char*, count>& names)
+    void add(const char* name, Enum value, Enum byDefault, const std::array<const char*, count>& names,
+             bool always)
     {
-        if (value != byDefault)
+        if (always || value != byDefault)
             set(name, names.at(size_t(value)));
     }
     void set(const std::string& name, const std::string& value)
@@ -83,9 +84,9 @@ std::string shotCommand(const SceneArguments& a, const scene::ViewCamera& camera
         options.set("--light", scene::lightText(light));
     for (const auto& [name, file] : a.materialFiles)
         options.set("--material", name + "=" + std::filesystem::absolute(file).string());
-    options.add("--filter", a.filter, defaults.filter, kFilterNames);
-    options.add("--model", a.model, defaults.model, kModelNames);
-    options.add("--lobes", a.lobes, defaults.lobes, kLobeNames);
+    options.add("--filter", a.filter, defaults.filter, kFilterNames, a.asked.method);
+    options.add("--model", a.model, defaults.model, kModelNames, a.asked.model);
+    options.add("--lobes", a.lobes, defaults.lobes, kLobeNames, a.asked.lobes);
     addSettings(options, a);
     options.add("--device", a.device.device, defaults.device.device);
     return "lumel shot " + quoted(std::filesystem::absolute(a.scene).string()) + options.text();

@@ -117,7 +117,8 @@ void runShot(const ShotArguments& arguments)
                                                         .lobes = arguments.lobes,
                                                         .useCache = arguments.useCache,
                                                         .threads = arguments.threads,
-                                                        .quick = arguments.quick});
+                                                        .quick = arguments.quick,
+                                                        .asked = arguments.asked});
     Renderer renderer(device, scene, materials, arguments.settings);
     const Playback playback(scene, camera, arguments.path);
     playback.apply(renderer, 0);

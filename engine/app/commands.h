@@ -7,6 +7,7 @@
 #include "gpu/present_mode.h"
 #include "playback.h"
 #include "renderer/settings.h"
+#include "scene/materials.h"
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -79,6 +80,7 @@ struct SceneArguments {
     baker::Method filter = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;
     baker::LobeCount lobes = baker::LobeCount::automatic;
+    scene::AskedBake asked; // which of these three were given
     bool useCache = true;
     bool quick = false; // materials that are not in the cache are not baked
     int threads = 0;

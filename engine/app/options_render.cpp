@@ -116,6 +116,10 @@ void addScene(Command& command, SceneArguments& a)
     addChoice(command, "--filter", kFilterNames, kFilterHelp, a.filter);
     addChoice(command, "--model", kModelNames, "specular lobe of materials", a.model);
     addChoice(command, "--lobes", kLobeNames, kLobesHelp, a.lobes);
+    command.afterParsing([&a, command] {
+        const auto given = [&](const char* name) { return command.get(name).given(); };
+        a.asked = {.method = given("--filter"), .model = given("--model"), .lobes = given("--lobes")};
+    });
 }
 
 void addMachine(Command& command, SceneArguments& a)

@@ -1,6 +1,7 @@
 #include "bake_cache.h"
 #include "material_fields.h"
 #include "material_maps.h"
+#include "own_chains.h"
 #include <cstring>
 #include <fmt/format.h>
 #include <fstream>
@@ -150,8 +151,7 @@ void writeEntry(const std::filesystem::path& path, const std::string& key, const
 BakeCache::BakeCache(const Scene& scene, const MaterialOptions& options) : options_(options)
 {
     for (const SceneImage& image : scene.images)
-        imageHashes_.push_back(
-            ContentHash().add(image.bytes.data(), image.bytes.size()).addValue(image.bytes.size()).hex());
+        imageHashes_.push_back(imageHash(image.bytes));
     if (!options.useCache)
         return;
     try {
@@ -173,6 +173,8 @@ std::string BakeCache::inputKey(const Material& material) const
     // Neither reflectance nor emission depends on these.
     m.name.clear();
     m.bakedFile.clear();
+    m.ownChain.clear();
+    m.ownMaps.clear();
     m.alphaMode = AlphaMode::opaque;
     m.alphaCutoff = 0.0f;
     m.doubleSided = false;

@@ -22,6 +22,7 @@ public:
     // Without a usable cache folder: one warning, and an always empty cache.
     BakeCache(const Scene& scene, const MaterialOptions& options);
 
+    const std::vector<std::string>& imageHashes() const { return imageHashes_; } // of the scene's images
     // Of all fields that maps can depend on, the encoded images, options and versions: nothing is decoded.
     std::string inputKey(const Material& material) const;
     // Of what is baked.

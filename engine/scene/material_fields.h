@@ -32,7 +32,7 @@ void forEachMaterialField(AnyMaterial& material, const Visit& visit)
         ior, specular, specularColor, specularImage, specularColorImage, anisotropy, anisotropyRotation,     \
         anisotropyImage, unlit, uv, emissionUv, baseColorUv, metallicRoughnessUv, specularUv,                \
         specularColorUv, anisotropyUv, emissiveUv, alphaMode, alphaCutoff, doubleSided, heightImage,         \
-        heightScale, bakedFile, power
+        heightScale, bakedFile, ownChain, ownMaps, power
     auto& [LUMEL_FIELDS] = material;
     detail::visitAll(visit, LUMEL_FIELDS);
 #undef LUMEL_FIELDS

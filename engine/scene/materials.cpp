@@ -2,6 +2,7 @@
 #include "bake_cache.h"
 #include "core/error.h"
 #include "material_maps.h"
+#include "own_chains.h"
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
@@ -28,7 +29,8 @@ size_t bytesOf(const baker::Maps& maps)
 } // namespace
 
 MaterialBaker::MaterialBaker(const Scene& scene, const MaterialOptions& options)
-    : scene_(scene), options_(options), cache_(std::make_unique<BakeCache>(scene, options))
+    : scene_(scene), options_(options), cache_(std::make_unique<BakeCache>(scene, options)),
+      chains_(chainsToRead(scene, options, cache_->imageHashes()))
 {
     done_.reserve(scene.materials.size());
 }
@@ -70,8 +72,8 @@ bool MaterialBaker::take(const std::string& key, size_t material)
 void MaterialBaker::add(size_t index)
 {
     const Material& material = scene_.materials[index];
-    if (!material.bakedFile.empty()) {
-        done_.push_back({.reflectance = baker::readExr(material.bakedFile),
+    if (!chains_[index].empty()) {
+        done_.push_back({.reflectance = baker::readExr(chains_[index]),
                          .emissive = emissiveChain(emissiveImage(scene_, material)),
                          .opacity = {}});
         return;

@@ -18,6 +18,11 @@ struct BakedMaterial {
     HalfChain opacity;
 };
 
+// Which choices were given, not left at their defaults: a model's own chains must agree with them.
+struct AskedBake {
+    bool method = false, model = false, lobes = false;
+};
+
 struct MaterialOptions {
     baker::Method method = baker::Method::fit;
     baker::Model model = baker::Model::ashikhminShirley;
@@ -25,6 +30,7 @@ struct MaterialOptions {
     bool useCache = true;
     int threads = 0;    // 0 = all cores
     bool quick = false; // what is not in the cache is not baked: its placeholder stays, which is said
+    AskedBake asked{};
 };
 
 class BakeCache;
@@ -70,6 +76,7 @@ private:
     const Scene& scene_;
     MaterialOptions options_;
     std::unique_ptr<BakeCache> cache_;
+    std::vector<std::filesystem::path> chains_; // of each material; empty where its maps are baked
     std::vector<BakedMaterial> done_;
     std::map<std::string, size_t> first_; // material of a key
     std::deque<Pending> pending_;

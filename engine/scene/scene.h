@@ -102,8 +102,12 @@ struct Material {
     // for the baker in place of a normal map (ours; other viewers ignore it and use normalTexture).
     int heightImage = -1;
     float heightScale = 0.0f;        // height of value 1 in units of the map's width
-    std::filesystem::path bakedFile; // a chain of `lumel bake` in place of what the maps would give
-    float power = 0.0f;              // Blinn-Phong power in place of the roughness; 0 = use the roughness
+    std::filesystem::path bakedFile; // a chain of `lumel bake` that was asked for in place of all maps
+    // extras.lumel = { "baked": "file", "maps": hash }: the model's own chain, and mapsHash() of what it was
+    // baked from; empty: not known. See own_chains.h.
+    std::filesystem::path ownChain;
+    std::string ownMaps;
+    float power = 0.0f; // Blinn-Phong power in place of the roughness; 0 = use the roughness
 };
 
 // Decoded lazily: files stay encoded until a material is baked, and a cached material never decodes.

@@ -113,6 +113,7 @@ static SceneArguments argumentsOf(size_t side, const ViewRenderers& renderers, c
     if (a.settings.shading == Shading::reference)
         a.settings.samples = renderers.samples(side);
     a.filter = renderers.method(side);
+    a.asked.method = given.asked.method || a.filter != given.filter;
     if (state.lightsEdited) {
         a.lights = 0;
         a.lightList = state.lights;

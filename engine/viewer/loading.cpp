@@ -12,11 +12,14 @@ namespace lumel {
 
 scene::MaterialOptions Viewer::bakeOptions(baker::Method method) const
 {
+    scene::AskedBake asked = arguments_.asked;
+    asked.method = asked.method || method != arguments_.filter; // chosen in a panel
     return {.method = method,
             .model = arguments_.model,
             .lobes = arguments_.lobes,
             .useCache = arguments_.useCache,
-            .threads = arguments_.threads};
+            .threads = arguments_.threads,
+            .asked = asked};
 }
 
 void Viewer::beginLoading(const std::filesystem::path& file)

@@ -117,6 +117,54 @@ TEST_F(BakeModel, LooksTheSameWithItsBakeAndByItsMaps)
     EXPECT_GT(psnrOf("square.gltf", "baked.glb"), 40.0);
 }
 
+// One line says where a model's own chain is not what is asked for, or no longer fits its maps.
+TEST_F(BakeModel, ItsChainYieldsToOptionsAndToChangedMaps)
+{
+    unevenSquare();
+    for (const std::string model : {"baked.gltf", "baked.glb"}) {
+        ASSERT_EQ(run({"bake", "square.gltf", "-o", model}).exitCode, 0);
+        const auto shot = [&](std::vector<std::string> options) {
+            std::vector<std::string> words{"shot", model, "-o", "a.png", "--size", "32x32"};
+            words.insert(words.end(), options.begin(), options.end());
+            const Outcome outcome = run(words);
+            EXPECT_EQ(outcome.exitCode, 0) << outcome.err;
+            return outcome.err;
+        };
+        const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
+        const std::string usual = shot({});
+        EXPECT_EQ(usual.find("own chain"), std::string::npos) << usual;
+        EXPECT_EQ(shot({"--filter", "fit", "--lobes", "auto"}), usual);
+        EXPECT_EQ(shot({"--filter", "average", "--material", "uneven=baked_0.exr"}), usual);
+        const std::string averaged = shot({"--filter", "average", "--no-cache"});
+        EXPECT_NE(averaged.find("'uneven': method average in place of fit"), std::string::npos) << averaged;
+        EXPECT_NE(shot({"--lobes", "1"}).find("lobes 1 in place of auto"), std::string::npos);
+        EXPECT_GT(lines(averaged), lines(usual));
+    }
+    Image rough = readImage(folder_ / "baked_0_metallic_roughness.png");
+    rough.pixels[1] = 1.0f - rough.pixels[1];
+    writeImage(folder_ / "baked_0_metallic_roughness.png", rough);
+    const Outcome changed = run({"shot", "baked.gltf", "-o", "a.png", "--size", "32x32"});
+    EXPECT_EQ(changed.exitCode, 0);
+    EXPECT_NE(changed.err.find("'uneven': textures or factors have changed"), std::string::npos)
+        << changed.err;
+}
+
+TEST_F(BakeModel, ABakeForgetsTheOneBefore)
+{
+    json scene = unevenSquare();
+    scene["materials"][0]["extras"] = "any text";
+    writeScene(folder_ / "square.gltf", scene);
+    ASSERT_EQ(run({"bake", "square.gltf", "-o", "first.gltf", "--textures", "ktx2"}).exitCode, 0);
+    const json extras = jsonOf("first.gltf").at("materials")[0].at("extras");
+    EXPECT_EQ(extras.at("extras"), "any text");
+    EXPECT_TRUE(extras.at("lumel").contains("textures"));
+    ASSERT_EQ(run({"bake", "first.gltf", "-o", "second.gltf"}).exitCode, 0);
+    const json ours = jsonOf("second.gltf").at("materials")[0].at("extras").at("lumel");
+    EXPECT_EQ(ours.at("baked"), "second_0.exr");
+    EXPECT_NE(ours.at("maps"), extras.at("lumel").at("maps"));
+    EXPECT_FALSE(ours.contains("textures"));
+}
+
 TEST_F(BakeModel, MapsOfLevelZeroAreThoseOfTheModel)
 {
     unevenSquare();
@@ -176,6 +224,42 @@ TEST_F(BakeModel, BadInputLeavesNothingBehind)
     expectOneLine(run({"bake", "square.gltf", "-o", "baked.exr"}), 2, "--output");
     expectOneLine(run({"bake", "square.gltf", "--power", "3", "-o", "baked.glb"}), 2, "--power");
     EXPECT_EQ(files(), before);
+}
+
+// A library of materials: no meshes, so no buffers.
+TEST_F(BakeModel, ModelsWithoutBuffersAreBaked)
+{
+    json library = unevenSquare();
+    for (const char* key : {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes", "scene"})
+        library.erase(key);
+    writeText(folder_ / "library.gltf", library.dump());
+    for (const std::string output : {"baked.glb", "baked.gltf"}) {
+        const Outcome outcome = run({"bake", "library.gltf", "-o", output});
+        ASSERT_EQ(outcome.exitCode, 0) << outcome.err;
+        const json after = jsonOf(output);
+        EXPECT_EQ(after.at("materials")[0].at("extras").at("lumel").at("baked"), "baked_0.exr");
+        for (const json& image : after.at("images"))
+            EXPECT_EQ(image.contains("bufferView"), output == "baked.glb");
+    }
+    library["materials"] = json::array();
+    writeText(folder_ / "library.gltf", library.dump());
+    EXPECT_EQ(run({"bake", "library.gltf", "-o", "none.glb"}).exitCode, 0);
+}
+
+TEST_F(BakeModel, FilesThatTheModelReadsAreNotReplaced)
+{
+    json scene = unevenSquare();
+    fs::rename(folder_ / "normal.png", folder_ / "out_0_normal.png");
+    scene["images"][0]["uri"] = "out_0_normal.png";
+    writeScene(folder_ / "square.gltf", scene);
+    const std::string before = readText(folder_ / "out_0_normal.png");
+    fs::create_directory(folder_ / "there");
+    for (const std::string output : {"out.gltf", "there/out.gltf"})
+        expectOneLine(run({"bake", "square.gltf", "-o", output}), 1, "out_0_normal.png");
+    EXPECT_EQ(readText(folder_ / "out_0_normal.png"), before);
+    EXPECT_FALSE(fs::exists(folder_ / "out_0.exr"));
+    EXPECT_TRUE(fs::is_empty(folder_ / "there"));
+    EXPECT_EQ(run({"bake", "square.gltf", "-o", "out.glb"}).exitCode, 0) << "which holds its images";
 }
 
 TEST_F(BakeModel, BakesOfMapsAreExportedToo)

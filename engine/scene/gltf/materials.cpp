@@ -332,12 +332,14 @@ private:
         if (!ours.Get("baked").IsString())
             reader_.fail(fmt::format("material '{}': extras.lumel.baked is not a file's name", out_.name));
         const std::filesystem::path model(reader_.document.file);
-        out_.bakedFile =
+        out_.ownChain =
             resolveUri(reader_.document.file, model.parent_path(), ours.Get("baked").Get<std::string>());
-        if (std::filesystem::exists(out_.bakedFile))
-            return;
-        reader_.document.ignored.insert("baked materials that are not beside the model");
-        out_.bakedFile.clear();
+        if (!std::filesystem::exists(out_.ownChain)) {
+            reader_.document.ignored.insert("baked materials that are not beside the model");
+            out_.ownChain.clear();
+        } else if (ours.Has("maps") && ours.Get("maps").IsString()) {
+            out_.ownMaps = ours.Get("maps").Get<std::string>();
+        }
     }
 
     float number(const tinygltf::Value& value, const char* what) const

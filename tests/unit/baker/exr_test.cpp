@@ -77,6 +77,17 @@ TEST(BakedExr, TheVersionOfOneLobeIsRead)
     EXPECT_EQ(bakedSource(folder.path / "old.exr"), mips.source);
 }
 
+TEST(BakedExr, FilesThatDoNotTellTheirLobesHaveWhatTheirChannelsHold)
+{
+    Folder folder;
+    ReflectanceMips mips = sample(8, 8);
+    mips.lobes.clear();
+    writeExr(folder.path / "old.exr", mips);
+    EXPECT_EQ(readExr(folder.path / "old.exr").lobes, "1");
+    writeExr(folder.path / "old.exr", withSecondLobes(mips));
+    EXPECT_EQ(readExr(folder.path / "old.exr").lobes, "auto");
+}
+
 TEST(BakedExr, SecondLobesThatAreNoneAreRefused)
 {
     Folder folder;
@@ -116,6 +127,12 @@ TEST(BakedExr, RoundTripsAllLevelsAndMetadata)
         EXPECT_EQ(read.method, "fit");
         EXPECT_EQ(read.version, kVersion);
         EXPECT_EQ(read.source, mips.source);
+        EXPECT_EQ(read.lobes, mips.lobes);
+        EXPECT_FALSE(read.lobes.empty());
+        const ReflectanceMips head = readExrMetadata(folder.path / "a.exr");
+        EXPECT_EQ(std::tie(head.model, head.method, head.lobes, head.version, head.source),
+                  std::tie(mips.model, mips.method, mips.lobes, mips.version, mips.source));
+        EXPECT_TRUE(head.levels.empty());
         for (size_t l = 0; l < mips.levels.size(); ++l) {
             ASSERT_EQ(read.levels[l].width, mips.levels[l].width);
             ASSERT_EQ(read.levels[l].height, mips.levels[l].height);

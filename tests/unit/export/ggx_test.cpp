@@ -56,36 +56,112 @@ TEST(Ggx, RoughnessThatWasBakedComesBack)
         EXPECT_NEAR(std::sqrt(alphaOfVariance(1.0f / shared::powerFromRoughness(r))), r, 1e-3f) << r;
 }
 
-TEST(Ggx, QuadraticFormIsTheDistribution)
+GgxShape tiltedShape(float alphaT, float alphaB)
 {
     GgxShape shape;
     shape.normal = glm::normalize(glm::vec3(0.3f, -0.2f, 0.9f));
     shape.tangent = glm::normalize(glm::cross(shape.normal, glm::vec3(0.0f, 1.0f, 0.0f)));
-    shape.alphaT = shape.alphaB = 0.3f;
+    shape.alphaT = alphaT;
+    shape.alphaB = alphaB;
+    return shape;
+}
+
+GgxNodes nodesOf(const GgxShape& shape)
+{
     GgxNodes nodes;
-    std::vector<glm::vec3> halves;
+    GgxNodes::Lobes lobes;
+    lobes.fill(&shape);
+    nodes.place(lobes, shape);
+    return nodes;
+}
+
+TEST(Ggx, QuadraticFormIsTheDistribution)
+{
+    const GgxShape shape = tiltedShape(0.3f, 0.3f);
+    const GgxNodes nodes = nodesOf(shape);
+    const GgxTerm terms[] = {ggxTerm(shape, 0.25f), ggxTerm(shape, 0.5f)};
+    GgxNodes::Values values{}, densities{};
+    nodes.add(terms, values, densities);
     for (size_t i = 0; i < GgxNodes::kCount; ++i) {
-        halves.push_back(ggxHalfVector(shape, (float(i) + 0.5f) / GgxNodes::kCount, float(i)));
-        nodes.set(i, halves.back());
-    }
-    GgxNodes::Values values;
-    nodes.evaluate(GgxLobe(shape), values);
-    for (size_t i = 0; i < GgxNodes::kCount; ++i) {
-        const double expected = distribution(shape, halves[i]);
+        const glm::vec3 h = nodes.half(i);
+        const double expected = 0.75 * distribution(shape, h);
+        EXPECT_NEAR(glm::length(h), 1.0, 1e-6);
         EXPECT_NEAR(values[i], expected, 1e-4 * expected);
+        if (h.z > 0.1f) { // d(h.xy) = h.z dh
+            const double density = expected * glm::dot(shape.normal, h) / h.z;
+            EXPECT_NEAR(densities[i], density, 1e-4 * density);
+        }
     }
 }
 
+// Slopes in units of alpha: slope^2 = u / (1 - u) for the share u of the energy (Walter et al. 2007, eq. 35),
+// evenly around the normal.
 TEST(Ggx, HalfVectorsLieInProportionToTheLobe)
 {
-    GgxShape shape;
-    shape.alphaT = 0.5f;
-    shape.alphaB = 0.1f;
-    // Half of the energy has slopes, in units of alpha, below 1 (Walter et al. 2007, eq. 35).
-    for (int i = 0; i < 8; ++i) {
-        const glm::vec3 h = ggxHalfVector(shape, 0.5f, float(i));
-        EXPECT_NEAR(glm::length(glm::vec2(h.x / h.z / 0.5f, h.y / h.z / 0.1f)), 1.0f, 1e-4f);
+    const GgxShape shape = tiltedShape(0.5f, 0.1f);
+    const GgxNodes nodes = nodesOf(shape);
+    const glm::vec3 b = glm::cross(shape.normal, shape.tangent);
+    for (const size_t first : {size_t(0), GgxNodes::kPart}) {
+        std::vector<float> shares;
+        glm::vec2 mean(0.0f);
+        for (size_t i = first; i < first + GgxNodes::kPart; ++i) {
+            const glm::vec3 h = nodes.half(i) / glm::dot(nodes.half(i), shape.normal);
+            const glm::vec2 slope(glm::dot(h, shape.tangent) / 0.5f, glm::dot(h, b) / 0.1f);
+            const float squared = glm::dot(slope, slope);
+            shares.push_back(squared / (1.0f + squared));
+            mean += glm::normalize(slope) / float(GgxNodes::kPart);
+        }
+        std::ranges::sort(shares);
+        for (size_t k = 0; k < shares.size(); ++k)
+            EXPECT_NEAR(shares[k], (float(k) + 0.5f) / float(GgxNodes::kPart), 1e-4f);
+        EXPECT_LT(glm::length(mean), 0.05f);
     }
+}
+
+// What is exported does not depend on the processor.
+TEST(Ggx, AllInstructionSetsGiveTheSameBits)
+{
+    const GgxNodes nodes = nodesOf(tiltedShape(0.4f, 0.2f));
+    const GgxShape other = tiltedShape(0.15f, 0.1f);
+    const auto all = [&](const GgxKernels& kernels) {
+        GgxNodeArrays arrays{};
+        GgxDraws draws{};
+        for (size_t k = 0; k < 2 * GgxNodes::kPart; ++k) {
+            for (int c = 0; c < 3; ++c) {
+                draws.normal[c][k] = other.normal[c];
+                draws.tangent[c][k] = other.tangent[c];
+            }
+            draws.alphaT[k] = draws.alphaB[k] = 0.01f * float(k + 1);
+            draws.slopeT[k] = 0.1f * float(k);
+            draws.slopeB[k] = 3.0f - draws.slopeT[k];
+        }
+        kernels.place(draws, arrays);
+        for (size_t i = 0; i < GgxNodes::kCount; ++i)
+            for (int c = 0; c < 3; ++c)
+                arrays.light[c][i] = nodes.half(i)[c];
+        const GgxTerm terms[] = {ggxTerm(other, 0.3f), ggxTerm(tiltedShape(0.7f, 0.3f), 2.0f)};
+        const float diffuse[] = {0.1f, -0.2f, 0.3f};
+        std::array<GgxNodes::Values, 4> v{};
+        kernels.add(arrays, terms, 2, v[0].data(), v[1].data());
+        for (float& density : v[1])
+            density += 0.25f; // evenly, too
+        kernels.display(arrays, v[0].data(), diffuse, v[2].data());
+        const float square = kernels.weigh(arrays, v[1].data(), v[2].data(), v[3].data());
+        const float error = kernels.error(arrays, terms[0], diffuse, v[2].data(), v[3].data());
+        EXPECT_GT(square, 0.0f);
+        EXPECT_GT(error, 0.0f);
+        return std::tuple(v, square, error);
+    };
+    const auto expected = all(kGgxScalar);
+    EXPECT_EQ(all(kGgxBaseline), expected);
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx2")) {
+        EXPECT_EQ(all(kGgxAvx2), expected);
+    }
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) {
+        EXPECT_EQ(all(kGgxAvx512), expected);
+    }
+#endif
 }
 
 TEST(Ggx, UniformMapsStayAsTheyAreOnEveryLevel)

@@ -4,6 +4,7 @@
 #include "scene/bake_cache.h"
 #include "scene/material_fields.h"
 #include "scene/material_maps.h"
+#include "scene/own_chains.h"
 #include <map>
 #include <random>
 
@@ -181,6 +182,46 @@ TEST_F(BakeKeys, ChangeExactlyWhenTheResultDoes)
         }
     }
     EXPECT_GT(changes, 80); // the test tests something
+}
+
+TEST_F(BakeKeys, HashOfMapsChangesWhereverReflectanceDoes)
+{
+    const BakeCache cache(scene, {});
+    const auto hash = [&](const Material& material) { return mapsHash(material, cache.imageHashes()); };
+    const auto key = [&](const Material& material) {
+        return cache.key(reflectanceMaps(scene, material), {});
+    };
+    int changes = 0;
+    for (const auto& [name, material] : materials()) {
+        const std::vector<Material> all = variants(material);
+        for (size_t i = 0; i < all.size(); ++i)
+            if (key(all[i]) != key(material)) {
+                EXPECT_NE(hash(all[i]), hash(material)) << name << ", field " << i;
+                ++changes;
+            }
+    }
+    EXPECT_GT(changes, 60);
+}
+
+TEST_F(BakeKeys, HashOfMapsLeavesOutWhatAChainDoesNotHold)
+{
+    const BakeCache cache(scene, {});
+    const auto hash = [&](const Material& material) { return mapsHash(material, cache.imageHashes()); };
+    const Material full = materials().at("full");
+    Material other = full;
+    other.name = "another";
+    other.baseColor.a = 0.5f;
+    other.alphaMode = AlphaMode::blend;
+    other.doubleSided = true;
+    other.emissive = {1.0f, 2.0f, 3.0f};
+    other.emissiveImage = other.occlusionImage = 0;
+    for (UvMapping* uv : {&other.uv, &other.baseColorUv, &other.metallicRoughnessUv, &other.specularUv,
+                          &other.specularColorUv, &other.anisotropyUv})
+        uv->scale = glm::vec2(3.0f); // all tiled alike: the chain is, too
+    EXPECT_EQ(hash(other), hash(full));
+    other.baseColorUv.scale = glm::vec2(1.0f);
+    EXPECT_NE(hash(other), hash(full));
+    EXPECT_EQ(hash(Material{}), ContentHash().hex()) << "defaults add nothing: files outlive new fields";
 }
 
 // The same from outside: with a full cache, a changed material looks as it does with an empty one.

@@ -3,6 +3,7 @@
 #include "gltf_builder.h"
 #include "scene/bake_cache.h"
 #include "scene/materials.h"
+#include "scene/own_chains.h"
 #include "shared/energy.h"
 #include <chrono>
 #include <csignal>
@@ -165,6 +166,93 @@ TEST_F(Materials, QuickIsWhatThePlaceholdersAre)
     const auto quick = bakeMaterials(scene, options);
     EXPECT_TRUE(cached().empty());
     expectEqual(quick[0], MaterialBaker(scene, options).placeholders()[0]);
+}
+
+// A model's own chain, told from what is baked of its maps by a diffuse colour of its own.
+struct OwnChains : Materials {
+    OwnChains()
+    {
+        baker::Maps maps;
+        maps.normal = Image(8, 8, 3);
+        std::ranges::fill(maps.normal.pixels, 0.5f);
+        maps.diffuseConstant = glm::vec3(0.125f);
+        baker::writeExr(folder / "own.exr", baker::bake(maps, {.method = baker::Method::lean,
+                                                               .model = baker::Model::blinnPhong}));
+        maps.diffuseConstant = glm::vec3(0.25f);
+        baker::writeExr(folder / "given.exr", baker::bake(maps, {.method = baker::Method::average}));
+        scene.materials[0].ownChain = folder / "own.exr";
+        options.method = baker::Method::fit; // a default
+        options.useCache = false;
+    }
+
+    void setMaps() { scene.materials[0].ownMaps = mapsHash(scene.materials[0], hashes()); }
+    std::vector<std::string> hashes() const
+    {
+        std::vector<std::string> hashes;
+        for (const SceneImage& image : scene.images)
+            hashes.push_back(imageHash(image.bytes));
+        return hashes;
+    }
+    float diffuse() const { return bakeMaterials(scene, options)[0].reflectance.at(0, 0, 0)[baker::kKdR]; }
+    bool isOwn() const { return diffuse() == 0.125f; }
+};
+
+TEST_F(OwnChains, CountUnlessSomethingElseIsAskedFor)
+{
+    EXPECT_TRUE(isOwn()) << "defaults ask for nothing";
+    options.asked.method = true;
+    EXPECT_FALSE(isOwn()) << "fit in place of lean";
+    options.method = baker::Method::lean;
+    EXPECT_TRUE(isOwn());
+    options.asked.model = true;
+    EXPECT_FALSE(isOwn());
+    options.model = baker::Model::blinnPhong;
+    EXPECT_TRUE(isOwn());
+    options.asked.lobes = true;
+    options.lobes = baker::LobeCount::two;
+    EXPECT_TRUE(isOwn()) << "closed forms have one in any case";
+}
+
+TEST_F(OwnChains, OfTheFitTellTheirLobes)
+{
+    baker::Maps maps;
+    maps.normal = Image(8, 8, 3);
+    std::ranges::fill(maps.normal.pixels, 0.5f);
+    maps.diffuseConstant = glm::vec3(0.125f);
+    baker::writeExr(folder / "own.exr", baker::bake(maps, {.lobes = baker::LobeCount::two}));
+    options.asked.lobes = true;
+    for (const auto lobes : {baker::LobeCount::one, baker::LobeCount::two, baker::LobeCount::automatic}) {
+        options.lobes = lobes;
+        EXPECT_EQ(isOwn(), lobes == baker::LobeCount::two);
+    }
+}
+
+TEST_F(OwnChains, DoNotCountOnceTheirMapsHaveChanged)
+{
+    setMaps();
+    EXPECT_TRUE(isOwn());
+    scene.materials[0].emissive = glm::vec3(2.0f);
+    EXPECT_TRUE(isOwn()) << "no part of the chain";
+    scene.materials[0].roughness = 0.25f;
+    EXPECT_FALSE(isOwn());
+    setMaps();
+    EXPECT_TRUE(isOwn());
+    scene.materials[0].normalImage = addImage([](int x, int y, int) { return 100 + x + y; });
+    EXPECT_FALSE(isOwn());
+}
+
+TEST_F(OwnChains, YieldToAChainThatIsGiven)
+{
+    scene.materials[0].ownMaps = "of other maps";
+    scene.materials[0].bakedFile = folder / "given.exr";
+    options.asked = {.method = true, .model = true, .lobes = true};
+    EXPECT_EQ(diffuse(), 0.25f);
+}
+
+TEST_F(OwnChains, ThatAreDamagedAreSaid)
+{
+    writeText(folder / "own.exr", "no chain");
+    EXPECT_TRUE(contains(errorOf([&] { bakeMaterials(scene, options); }), "own.exr"));
 }
 
 TEST_F(Materials, HitsDecodeNothing)
