@@ -161,6 +161,7 @@ constexpr float kTwoPi = 6.28318531f;
 
 float mixtureEnergy(const MixtureTerm* terms, int count)
 {
+    const FlushToZero flush;
     V total{};
     for (int first = 0; first < count; first += kMostColumns) {
         const int rest = count - first;
@@ -179,6 +180,7 @@ float mixtureEnergy(const MixtureTerm* terms, int count)
 
 void mixtureOverlaps(const MixtureTerm* terms, int count, const MixtureTerm& lobe, float* overlaps)
 {
+    const FlushToZero flush;
     const Frame frame = frameOf(lobe);
     for (int first = 0; first < count; first += kMostColumns) {
         const int rest = count - first, n = rest < kMostColumns ? rest : kMostColumns;

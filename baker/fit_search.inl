@@ -144,6 +144,7 @@ struct Search {
 template<class Objective>
 void runJobs(typename Objective::Job* const* jobs, int count, const SearchSettings& settings, float* scratch)
 {
+    const FlushToZero flush;
     Search<Objective> search(scratch, settings.isotropic);
     constexpr int kRow = Objective::kRow;
     int next = 0, running[W], evaluations[W], sizes[W];
@@ -206,6 +207,7 @@ void minimiseMixtures(FitJob* const* jobs, int count, const SearchSettings& sett
 
 void evaluate(const FitJob& job, float* overlap, float* norm, float* gradient, float* scratch)
 {
+    const FlushToZero flush;
     const int size = job.nodes.count;
     for (int k = 0; k < size; ++k)
         for (int lane = 0; lane < W; ++lane)
@@ -237,6 +239,7 @@ void minimisePairMixtures(PairJob* const* jobs, int count, const SearchSettings&
 template<class Objective>
 float evaluatePairWith(const PairJob& job, float* gradient, float* scratch)
 {
+    const FlushToZero flush;
     const int size = Objective::size(job);
     for (int k = 0; k < size; ++k)
         for (int lane = 0; lane < W; ++lane)
