@@ -75,6 +75,17 @@ LUMEL_INLINE bool any(I mask)
     return all != 0;
 }
 
+// Of all lanes, by halves.
+LUMEL_INLINE float total(V v)
+{
+    float lanes[W];
+    store(lanes, v);
+    for (int half = W / 2; half > 0; half /= 2)
+        for (int i = 0; i < half; ++i)
+            lanes[i] += lanes[i + half];
+    return lanes[0];
+}
+
 // e^x by 2^n times a minimax polynomial of 2^f, |f| <= 1/2; relative error 2e-7 for x in [-80, 80].
 LUMEL_INLINE V exponential(V x)
 {
