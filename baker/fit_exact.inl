@@ -50,7 +50,7 @@ LUMEL_INLINE void accumulate(Sums& sum, const PointTerms& p, V weight)
 // without a job cost nothing.
 LUMEL_INLINE Lobe broadcast(const Lobe& lobe, int lane)
 {
-    Lobe one = lobe;
+    Lobe one;
     const Frame& f = lobe.frame;
     one.frame = {splat(f.nx[lane]), splat(f.ny[lane]), splat(f.nz[lane]), splat(f.r[lane]),
                  splat(f.inverseR[lane])};
@@ -62,11 +62,12 @@ LUMEL_INLINE Lobe broadcast(const Lobe& lobe, int lane)
 
 LUMEL_INLINE void reduce(const Sums& vectors, int lane, Sums& sums)
 {
-    const V* const from[] = {&vectors.one, &vectors.alpha, &vectors.beta,
-                             &vectors.maa, &vectors.mab,   &vectors.mbb};
-    V* const to[] = {&sums.one, &sums.alpha, &sums.beta, &sums.maa, &sums.mab, &sums.mbb};
-    for (int i = 0; i < 6; ++i)
-        (*to[i])[lane] = total(*from[i]);
+    sums.one[lane] = total(vectors.one);
+    sums.alpha[lane] = total(vectors.alpha);
+    sums.beta[lane] = total(vectors.beta);
+    sums.maa[lane] = total(vectors.maa);
+    sums.mab[lane] = total(vectors.mab);
+    sums.mbb[lane] = total(vectors.mbb);
 }
 
 LUMEL_INLINE Sums sumNodes(const NodeList& nodes, const Lobe& lobe)

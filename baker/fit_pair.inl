@@ -148,25 +148,25 @@ struct PairObjective {
             if (!jobs[lane])
                 continue;
             const NodeList& nodes = jobs[lane]->nodes;
-            const Lobe own[2] = {broadcast(lobes[0], lane), broadcast(lobes[1], lane)};
-            Sums averages[2]{}, crosses[2]{};
+            const Lobe own1 = broadcast(lobes[0], lane), own2 = broadcast(lobes[1], lane);
+            Sums average1{}, average2{}, cross1{}, cross2{};
             for (int k = 0; k < nodes.count; k += W) {
                 const V x = load(nodes.x + k), y = load(nodes.y + k), z = load(nodes.z + k);
                 const V weight = load(nodes.weight + k);
-                const PointTerms p[2] = {termsAt(locate(own[0].frame, x, y, z), own[0], 1.0f),
-                                         termsAt(locate(own[1].frame, x, y, z), own[1], 1.0f)};
-                const V both = load(jobs[lane]->area + k) * p[0].f * p[1].f;
-                crosses[0].one += both;
-                for (int i = 0; i < 2; ++i) {
-                    accumulate(averages[i], p[i], weight);
-                    accumulateSlopes(crosses[i], p[i], both);
-                }
+                const PointTerms p1 = termsAt(locate(own1.frame, x, y, z), own1, 1.0f);
+                const PointTerms p2 = termsAt(locate(own2.frame, x, y, z), own2, 1.0f);
+                const V both = load(jobs[lane]->area + k) * p1.f * p2.f;
+                accumulate(average1, p1, weight);
+                accumulate(average2, p2, weight);
+                cross1.one += both;
+                accumulateSlopes(cross1, p1, both);
+                accumulateSlopes(cross2, p2, both);
             }
-            crosses[1].one = crosses[0].one;
-            for (int i = 0; i < 2; ++i) {
-                reduce(averages[i], lane, average[i]);
-                reduce(crosses[i], lane, cross[i]);
-            }
+            cross2.one = cross1.one;
+            reduce(average1, lane, average[0]);
+            reduce(average2, lane, average[1]);
+            reduce(cross1, lane, cross[0]);
+            reduce(cross2, lane, cross[1]);
         }
     }
     LUMEL_INLINE V operator()(const PairScaling& scaling, const V* x, V* gradient)

@@ -75,15 +75,31 @@ LUMEL_INLINE bool any(I mask)
     return all != 0;
 }
 
-// Of all lanes, by halves.
+typedef float V4 __attribute__((vector_size(16)));
+LUMEL_INLINE V4 load4(const float* p)
+{
+    V4 v;
+    __builtin_memcpy(&v, p, sizeof v);
+    return v;
+}
+
+// Of all lanes.
 LUMEL_INLINE float total(V v)
 {
     float lanes[W];
     store(lanes, v);
-    for (int half = W / 2; half > 0; half /= 2)
-        for (int i = 0; i < half; ++i)
-            lanes[i] += lanes[i + half];
+#if LUMEL_LANES == 16
+    V4 four = (load4(lanes) + load4(lanes + 8)) + (load4(lanes + 4) + load4(lanes + 12));
+#elif LUMEL_LANES == 8
+    V4 four = load4(lanes) + load4(lanes + 4);
+#elif LUMEL_LANES == 4
+    V4 four = v;
+#else
     return lanes[0];
+#endif
+#if LUMEL_LANES > 1
+    return (four[0] + four[1]) + (four[2] + four[3]);
+#endif
 }
 
 // e^x by 2^n times a minimax polynomial of 2^f, |f| <= 1/2; relative error 2e-7 for x in [-80, 80].
