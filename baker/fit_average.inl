@@ -26,6 +26,7 @@ LUMEL_INLINE Frame frameOf(const LobeTerm& l)
 
 void average(const LobeTerm* lobes, int count, bool isotropic, const NodeList& nodes, float* g)
 {
+    const FlushToZero flush;
     for (int i = 0; i < count; ++i) {
         const LobeTerm& l = lobes[i];
         const Frame frame = frameOf(l);
@@ -40,6 +41,7 @@ void average(const LobeTerm* lobes, int count, bool isotropic, const NodeList& n
 void shapeOnLattice(const LobeTerm& l, bool isotropic, const float* x, const float* y, int count, float cx,
                     float cy, float spacing, float* f)
 {
+    const FlushToZero flush;
     const Frame frame = frameOf(l);
     for (int k = 0; k < count; k += W) {
         const V lx = (cx + load(x + k)) * spacing, ly = (cy + load(y + k)) * spacing;

@@ -8,37 +8,75 @@
 //           = N.z pi det P / sqrt(det(P + I)),
 // exact but for the part of the lobe that the rim of the disc cuts off (fit_rim.inl).
 
-// Sums over the nodes [count][x, y, z, weight][lanes] of weight * f times: 1, c k e, c k' q e, k e e^T.
-struct Sums {
-    V one, ka, kb, qa, qb, maa, mab, mbb;
+// A half vector from a lobe: f / sqrt(det P) to the power of `exponent`, and what ln f changes with: c k P e +
+// c k' q e by a tilt, k e e^T by P.
+struct PointTerms {
+    V f, alpha, beta, maa, mab, mbb;
 };
 
-// One half vector's share of the sums; `exponent` 1 sums f, 2 sums f^2 / det P.
-LUMEL_INLINE void accumulate(Sums& sum, const Point& p, const Lobe& lobe, V weight, float exponent)
+LUMEL_INLINE PointTerms termsAt(const Point& p, const Lobe& lobe, float exponent)
 {
-    const V aa = p.a * p.a, ab = p.a * p.b, bb = p.b * p.b;
-    const V q = lobe.pxx * aa + 2.0f * lobe.pxy * ab + lobe.pyy * bb;
-    const V wf = (p.c > 0.0f ? weight : V{}) * exponential(-exponent * q * p.k);
+    const V pa = lobe.pxx * p.a + lobe.pxy * p.b, pb = lobe.pxy * p.a + lobe.pyy * p.b;
+    const V q = p.a * pa + p.b * pb;
+    const V f = p.c > 0.0f ? exponential(-exponent * q * p.k) : V{};
     const V u1 = 1.0f + p.u;
-    const V slope = 0.25f * u1 * u1 * u1 * (p.t + 2.0f * u1 * p.v * areaTangentSlope(p.v));
-    const V wfk = wf * p.k;
-    const V wfck = wfk * p.c, wfq = wf * q * slope;
-    sum.one += wf;
-    sum.ka += wfck * p.a;
-    sum.kb += wfck * p.b;
-    sum.qa += wfq * p.a;
-    sum.qb += wfq * p.b;
-    sum.maa += wfk * aa;
-    sum.mab += wfk * ab;
-    sum.mbb += wfk * bb;
+    const V slope = 0.25f * q * u1 * u1 * u1 * (p.t + 2.0f * u1 * p.v * areaTangentSlope(p.v));
+    const V ck = p.c * p.k, ka = p.k * p.a;
+    return {f, ck * pa + slope * p.a, ck * pb + slope * p.b, ka * p.a, ka * p.b, p.k * p.b * p.b};
 }
 
-LUMEL_INLINE Sums sumNodes(const float* nodes, int count, const Lobe& lobe)
+// Sums over nodes of weight * f times 1 and those.
+struct Sums {
+    V one, alpha, beta, maa, mab, mbb;
+};
+
+LUMEL_INLINE void accumulateSlopes(Sums& sum, const PointTerms& p, V weighted)
+{
+    sum.alpha += weighted * p.alpha;
+    sum.beta += weighted * p.beta;
+    sum.maa += weighted * p.maa;
+    sum.mab += weighted * p.mab;
+    sum.mbb += weighted * p.mbb;
+}
+
+LUMEL_INLINE void accumulate(Sums& sum, const PointTerms& p, V weight)
+{
+    const V weighted = weight * p.f;
+    sum.one += weighted;
+    accumulateSlopes(sum, p, weighted);
+}
+
+// Nodes are summed a vector at a time, for one lane's job after the other: jobs differ in their nodes, and lanes
+// without a job cost nothing.
+LUMEL_INLINE Lobe broadcast(const Lobe& lobe, int lane)
+{
+    Lobe one;
+    const Frame& f = lobe.frame;
+    one.frame = {splat(f.nx[lane]), splat(f.ny[lane]), splat(f.nz[lane]), splat(f.r[lane]),
+                 splat(f.inverseR[lane])};
+    one.pxx = splat(lobe.pxx[lane]);
+    one.pxy = splat(lobe.pxy[lane]);
+    one.pyy = splat(lobe.pyy[lane]);
+    return one;
+}
+
+LUMEL_INLINE void reduce(const Sums& vectors, int lane, Sums& sums)
+{
+    sums.one[lane] = total(vectors.one);
+    sums.alpha[lane] = total(vectors.alpha);
+    sums.beta[lane] = total(vectors.beta);
+    sums.maa[lane] = total(vectors.maa);
+    sums.mab[lane] = total(vectors.mab);
+    sums.mbb[lane] = total(vectors.mbb);
+}
+
+LUMEL_INLINE Sums sumNodes(const NodeList& nodes, const Lobe& lobe)
 {
     Sums sum{};
-    for (int k = 0; k < count; ++k, nodes += 4 * W)
-        accumulate(sum, locate(lobe.frame, load(nodes), load(nodes + W), load(nodes + 2 * W)), lobe,
-                   load(nodes + 3 * W), 1.0f);
+    for (int k = 0; k < nodes.count; k += W) {
+        const Point p = locate(lobe.frame, load(nodes.x + k), load(nodes.y + k), load(nodes.z + k));
+        accumulate(sum, termsAt(p, lobe, 1.0f), load(nodes.weight + k));
+    }
     return sum;
 }
 
@@ -60,7 +98,7 @@ LUMEL_INLINE Overlap overlapOf(const Lobe& lobe, const Sums& sum)
         o.ff = closed + lobe.det * o.rim.one;
         o.closed = closed / o.ff;
         const V share = lobe.det / o.ff;
-        V* const sums[] = {&o.rim.ka, &o.rim.kb, &o.rim.qa, &o.rim.qb, &o.rim.maa, &o.rim.mab, &o.rim.mbb};
+        V* const sums[] = {&o.rim.alpha, &o.rim.beta, &o.rim.maa, &o.rim.mab, &o.rim.mbb};
         for (V* entry : sums)
             *entry *= share;
     }
@@ -75,12 +113,11 @@ LUMEL_INLINE LogSlopes slopesOf(const Lobe& lobe, const Sums& sum, const Overlap
     // ln<G,f>^2 - ln<f,f>: sums of f weigh 2 / <.>, those of f^2 over the lune -2 / <f,f>.
     const V inverse = 2.0f / maximum(sum.one, splat(1e-30f));
     const Sums& rim = o.rim;
-    const V ka = sum.ka * inverse - 2.0f * rim.ka, kb = sum.kb * inverse - 2.0f * rim.kb;
     const V maa = sum.maa * inverse - 2.0f * rim.maa, mab = sum.mab * inverse - 2.0f * rim.mab;
     const V mbb = sum.mbb * inverse - 2.0f * rim.mbb;
     LogSlopes d;
-    d.alpha = 2.0f * (lobe.pxx * ka + lobe.pxy * kb + sum.qa * inverse - 2.0f * rim.qa);
-    d.beta = 2.0f * (lobe.pxy * ka + lobe.pyy * kb + sum.qb * inverse - 2.0f * rim.qb);
+    d.alpha = 2.0f * (sum.alpha * inverse - 2.0f * rim.alpha);
+    d.beta = 2.0f * (sum.beta * inverse - 2.0f * rim.beta);
     d.gamma = -2.0f * (lobe.pxy * (mbb - maa) + (lobe.pxx - lobe.pyy) * mab);
     // d ln N.z = (alpha Tu.z + beta Tv.z) / N.z, Tu.z = -N.x N.z / r, Tv.z = -N.y / r.
     d.alpha += o.closed * f.nx * f.inverseR;
@@ -100,23 +137,24 @@ struct ExactObjective {
     using Result = Norm;
     using Scaling = LobeScaling;
     static constexpr int kMostUnknowns = 5;
-    static constexpr int kRow = 4;
-    const float* rows; // [count][kRow][lanes]
-    int count = 0;
-    Norm result{}; // of the last evaluation
+    const FitJob* jobs[W] = {}; // none where a lane idles
+    Norm result{};              // of the last evaluation
 
-    static int size(const FitJob& job) { return job.nodes.count; }
-    static void fill(const FitJob& job, int k, float* to)
+    explicit ExactObjective(float*) {}
+    void take(int lane, const FitJob& job) { jobs[lane] = &job; }
+    void drop(int lane) { jobs[lane] = nullptr; }
+    LUMEL_INLINE Sums sum(const Lobe& lobe) const
     {
-        to[0] = job.nodes.x[k];
-        to[W] = job.nodes.y[k];
-        to[2 * W] = job.nodes.z[k];
-        to[3 * W] = job.nodes.weight[k];
+        Sums all{};
+        for (int lane = 0; lane < W; ++lane)
+            if (jobs[lane])
+                reduce(sumNodes(jobs[lane]->nodes, broadcast(lobe, lane)), lane, all);
+        return all;
     }
     LUMEL_INLINE V operator()(const LobeScaling& scaling, const V* x, V* gradient)
     {
         const Lobe lobe = scaling.lobe(x);
-        const Sums sum = sumNodes(rows, count, lobe);
+        const Sums sum = this->sum(lobe);
         const Overlap o = overlapOf(lobe, sum);
         const V explained = o.gf * o.gf / (scaling.energy * o.ff);
         result.norm = o.ff;

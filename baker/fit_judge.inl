@@ -23,6 +23,7 @@ LUMEL_INLINE float overlapWith(const Trial& t)
 
 void judge(Trial* trials, int count)
 {
+    const FlushToZero flush;
     for (int first = 0; first < count; first += W) {
         const int lanes = count - first < W ? count - first : W;
         Trial* const t = trials + first;

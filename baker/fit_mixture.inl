@@ -69,19 +69,48 @@ LUMEL_INLINE void accumulate(MixtureSums& sum, const Product& p)
     sum.height += p.value * p.weight / maximum(p.z, splat(1e-3f));
 }
 
-LUMEL_INLINE MixtureSums sumMixture(const float* row, int count, const Lobe& lobe, V sxx, V sxy, V syy)
+// The lanes' mixtures side by side: component i of all lanes in row i.
+struct LaneTerms {
+    static constexpr int kRow = 7;
+    float* rows;    // [components][kRow][lanes]
+    int filled = 0; // rows that hold anything
+    int count = 0;  // of the longest mixture
+    int sizes[W] = {}, last[W] = {};
+
+    void take(int lane, const MixtureTerm* terms, int size)
+    {
+        // Rows beyond the other lanes' mixtures start empty; beyond this one the lane is cleared.
+        for (; filled < size; ++filled)
+            for (int i = 0; i < kRow * W; ++i)
+                rows[filled * kRow * W + i] = 0.0f;
+        for (int i = 0; i < size; ++i) {
+            const MixtureTerm& m = terms[i];
+            const float values[] = {m.nx, m.ny, m.nz, m.sxx, m.sxy, m.syy, m.amplitude};
+            for (int j = 0; j < kRow; ++j)
+                rows[(i * kRow + j) * W + lane] = values[j];
+        }
+        for (int i = size; i < last[lane]; ++i)
+            rows[(i * kRow + kRow - 1) * W + lane] = 0.0f; // no amplitude
+        last[lane] = size;
+        resize(lane, size);
+    }
+    void drop(int lane) { resize(lane, 0); }
+    void resize(int lane, int size)
+    {
+        sizes[lane] = size;
+        count = 0;
+        for (const int other : sizes)
+            count = count > other ? count : other;
+    }
+};
+
+LUMEL_INLINE MixtureSums sumMixture(const LaneTerms& terms, const Lobe& lobe, V sxx, V sxy, V syy)
 {
     MixtureSums sum{};
-    for (int i = 0; i < count; ++i, row += 7 * W)
+    const float* row = terms.rows;
+    for (int i = 0; i < terms.count; ++i, row += LaneTerms::kRow * W)
         accumulate(sum, productOf(componentAt(row, W), lobe.frame, sxx, sxy, syy));
     return sum;
-}
-
-inline void fillTerm(const MixtureTerm& m, float* to)
-{
-    const float values[] = {m.nx, m.ny, m.nz, m.sxx, m.sxy, m.syy, m.amplitude};
-    for (int j = 0; j < 7; ++j)
-        to[j * W] = values[j];
 }
 
 struct MixtureObjective {
@@ -89,13 +118,12 @@ struct MixtureObjective {
     using Result = Norm;
     using Scaling = LobeScaling;
     static constexpr int kMostUnknowns = 5;
-    static constexpr int kRow = 7;
-    const float* rows; // [count][kRow][lanes]
-    int count = 0;
+    LaneTerms terms;
     Norm result{}; // of the last evaluation
 
-    static int size(const FitJob& job) { return job.mixtureCount; }
-    static void fill(const FitJob& job, int i, float* to) { fillTerm(job.mixture[i], to); }
+    explicit MixtureObjective(float* scratch) : terms{scratch} {}
+    void take(int lane, const FitJob& job) { terms.take(lane, job.mixture, job.mixtureCount); }
+    void drop(int lane) { terms.drop(lane); }
     LUMEL_INLINE V operator()(const LobeScaling& scaling, const V* x, V* gradient)
     {
         constexpr float kPi = 3.14159265f;
@@ -103,7 +131,7 @@ struct MixtureObjective {
         const V inverseDet = 1.0f / lobe.detPlus;
         const V sxx = (lobe.pyy + 1.0f) * inverseDet, sxy = -lobe.pxy * inverseDet,
                 syy = (lobe.pxx + 1.0f) * inverseDet;
-        const MixtureSums sum = sumMixture(rows, count, lobe, sxx, sxy, syy);
+        const MixtureSums sum = sumMixture(terms, lobe, sxx, sxy, syy);
         const V inverse = 2.0f / maximum(sum.overlap, splat(1e-30f));
         LogSlopes d;
         // d N.z = -N.x N.z / r alpha - N.y / r beta; ln<f, f> goes with ln N.z.
@@ -161,6 +189,7 @@ constexpr float kTwoPi = 6.28318531f;
 
 float mixtureEnergy(const MixtureTerm* terms, int count)
 {
+    const FlushToZero flush;
     V total{};
     for (int first = 0; first < count; first += kMostColumns) {
         const int rest = count - first;
@@ -179,6 +208,7 @@ float mixtureEnergy(const MixtureTerm* terms, int count)
 
 void mixtureOverlaps(const MixtureTerm* terms, int count, const MixtureTerm& lobe, float* overlaps)
 {
+    const FlushToZero flush;
     const Frame frame = frameOf(lobe);
     for (int first = 0; first < count; first += kMostColumns) {
         const int rest = count - first, n = rest < kMostColumns ? rest : kMostColumns;

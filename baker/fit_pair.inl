@@ -99,8 +99,8 @@ LUMEL_INLINE V project(const V* g, const V* norm, V cross, V energy, PairResult&
 LUMEL_INLINE LogSlopes overlapSlopes(const Lobe& lobe, const Sums& s)
 {
     const V scale = squareRoot(lobe.det), half = 0.5f * s.one / lobe.det;
-    return {scale * 2.0f * (lobe.pxx * s.ka + lobe.pxy * s.kb + s.qa),
-            scale * 2.0f * (lobe.pxy * s.ka + lobe.pyy * s.kb + s.qb),
+    return {scale * 2.0f * s.alpha,
+            scale * 2.0f * s.beta,
             scale * -2.0f * (lobe.pxy * (s.mbb - s.maa) + (lobe.pxx - lobe.pyy) * s.mab),
             scale * (half * lobe.pyy - s.maa),
             scale * (-half * lobe.pxy - s.mab),
@@ -113,57 +113,20 @@ LUMEL_INLINE void subtractNormSlopes(LogSlopes& d, const Lobe& lobe, const Overl
     const Frame& f = lobe.frame;
     const Sums& rim = o.rim;
     const V scale = factor * o.ff, plus = o.closed * 0.5f / lobe.detPlus, inverseDet = 1.0f / lobe.det;
-    d.alpha -= scale * (4.0f * (lobe.pxx * rim.ka + lobe.pxy * rim.kb + rim.qa) - o.closed * f.nx * f.inverseR);
-    d.beta -= scale * (4.0f * (lobe.pxy * rim.ka + lobe.pyy * rim.kb + rim.qb) - o.closed * f.ny * f.inverseR / f.nz);
+    d.alpha -= scale * (4.0f * rim.alpha - o.closed * f.nx * f.inverseR);
+    d.beta -= scale * (4.0f * rim.beta - o.closed * f.ny * f.inverseR / f.nz);
     d.gamma += scale * 4.0f * (lobe.pxy * (rim.mbb - rim.maa) + (lobe.pxx - lobe.pyy) * rim.mab);
     d.pxx -= scale * (lobe.pyy * inverseDet - (lobe.pyy + 1.0f) * plus - 2.0f * rim.maa);
     d.pxy -= scale * (-lobe.pxy * inverseDet + lobe.pxy * plus - 2.0f * rim.mab);
     d.pyy -= scale * (lobe.pxx * inverseDet - (lobe.pxx + 1.0f) * plus - 2.0f * rim.mbb);
 }
 
-LUMEL_INLINE void addScaled(Sums& sum, const Sums& other, V factor)
+// factor * sum + otherFactor * other.
+LUMEL_INLINE Sums combined(const Sums& sum, V factor, const Sums& other, V otherFactor)
 {
-    V* const to[] = {&sum.one, &sum.ka, &sum.kb, &sum.qa, &sum.qb, &sum.maa, &sum.mab, &sum.mbb};
-    const V* const from[] = {&other.one, &other.ka,  &other.kb,  &other.qa,
-                             &other.qb,  &other.maa, &other.mab, &other.mbb};
-    for (int i = 0; i < 8; ++i)
-        *to[i] = *to[i] + factor * *from[i];
-}
-
-LUMEL_INLINE void scaleAll(Sums& sum, V factor)
-{
-    V* const all[] = {&sum.one, &sum.ka, &sum.kb, &sum.qa, &sum.qb, &sum.maa, &sum.mab, &sum.mbb};
-    for (V* entry : all)
-        *entry *= factor;
-}
-
-// A half vector from a lobe: f / sqrt(det P), and what its slopes are made of.
-struct PointSums {
-    V f, ka, kb, qa, qb, maa, mab, mbb;
-};
-
-LUMEL_INLINE PointSums pointSums(const Lobe& lobe, V hx, V hy, V hz)
-{
-    const Point p = locate(lobe.frame, hx, hy, hz);
-    const V aa = p.a * p.a, ab = p.a * p.b, bb = p.b * p.b;
-    const V q = lobe.pxx * aa + 2.0f * lobe.pxy * ab + lobe.pyy * bb;
-    const V f = p.c > 0.0f ? exponential(-q * p.k) : V{};
-    const V u1 = 1.0f + p.u, ck = p.c * p.k;
-    const V slope = 0.25f * q * u1 * u1 * u1 * (p.t + 2.0f * u1 * p.v * areaTangentSlope(p.v));
-    return {f, ck * p.a, ck * p.b, slope * p.a, slope * p.b, p.k * aa, p.k * ab, p.k * bb};
-}
-
-LUMEL_INLINE void accumulate(Sums& sum, const PointSums& p, V weight)
-{
-    const V wf = weight * p.f;
-    sum.one += wf;
-    sum.ka += wf * p.ka;
-    sum.kb += wf * p.kb;
-    sum.qa += wf * p.qa;
-    sum.qb += wf * p.qb;
-    sum.maa += wf * p.maa;
-    sum.mab += wf * p.mab;
-    sum.mbb += wf * p.mbb;
+    return {factor * sum.one + otherFactor * other.one,   factor * sum.alpha + otherFactor * other.alpha,
+            factor * sum.beta + otherFactor * other.beta, factor * sum.maa + otherFactor * other.maa,
+            factor * sum.mab + otherFactor * other.mab,   factor * sum.mbb + otherFactor * other.mbb};
 }
 
 // Two lobes against the nodes; <f1, f2> is a sum over them too.
@@ -172,32 +135,38 @@ struct PairObjective {
     using Result = PairResult;
     using Scaling = PairScaling;
     static constexpr int kMostUnknowns = 10;
-    static constexpr int kRow = 5; // the last, the area, is 0 where there is no node
-    const float* rows;             // [count][kRow][lanes]
-    int count = 0;
-    PairResult result{}; // of the last evaluation
+    const PairJob* jobs[W] = {}; // none where a lane idles
+    PairResult result{};         // of the last evaluation
 
-    static int size(const PairJob& job) { return job.nodes.count; }
-    static void fill(const PairJob& job, int k, float* to)
-    {
-        to[0] = job.nodes.x[k];
-        to[W] = job.nodes.y[k];
-        to[2 * W] = job.nodes.z[k];
-        to[3 * W] = job.area[k] > 0.0f ? job.nodes.weight[k] / job.area[k] : 0.0f;
-        to[4 * W] = job.area[k];
-    }
+    explicit PairObjective(float*) {}
+    void take(int lane, const PairJob& job) { jobs[lane] = &job; }
+    void drop(int lane) { jobs[lane] = nullptr; }
     // Sums of area * G * f_i, and of area * f1 * f2 as f_i weighs them.
     LUMEL_INLINE void sum(const Lobe* lobes, Sums* average, Sums* cross) const
     {
-        const float* row = rows;
-        for (int k = 0; k < count; ++k, row += kRow * W) {
-            const V x = load(row), y = load(row + W), z = load(row + 2 * W), area = load(row + 4 * W);
-            const V weight = area * load(row + 3 * W);
-            const PointSums p[2] = {pointSums(lobes[0], x, y, z), pointSums(lobes[1], x, y, z)};
-            for (int i = 0; i < 2; ++i) {
-                accumulate(average[i], p[i], weight);
-                accumulate(cross[i], p[i], area * p[1 - i].f);
+        for (int lane = 0; lane < W; ++lane) {
+            if (!jobs[lane])
+                continue;
+            const NodeList& nodes = jobs[lane]->nodes;
+            const Lobe own1 = broadcast(lobes[0], lane), own2 = broadcast(lobes[1], lane);
+            Sums average1{}, average2{}, cross1{}, cross2{};
+            for (int k = 0; k < nodes.count; k += W) {
+                const V x = load(nodes.x + k), y = load(nodes.y + k), z = load(nodes.z + k);
+                const V weight = load(nodes.weight + k);
+                const PointTerms p1 = termsAt(locate(own1.frame, x, y, z), own1, 1.0f);
+                const PointTerms p2 = termsAt(locate(own2.frame, x, y, z), own2, 1.0f);
+                const V both = load(jobs[lane]->area + k) * p1.f * p2.f;
+                accumulate(average1, p1, weight);
+                accumulate(average2, p2, weight);
+                cross1.one += both;
+                accumulateSlopes(cross1, p1, both);
+                accumulateSlopes(cross2, p2, both);
             }
+            cross2.one = cross1.one;
+            reduce(average1, lane, average[0]);
+            reduce(average2, lane, average[1]);
+            reduce(cross1, lane, cross[0]);
+            reduce(cross2, lane, cross[1]);
         }
     }
     LUMEL_INLINE V operator()(const PairScaling& scaling, const V* x, V* gradient)
@@ -211,9 +180,8 @@ struct PairObjective {
         const V error = project(g, norm, between, scaling.energy, result);
         const V inverse = 1.0f / scaling.energy, both = result.ks[0] * result.ks[1];
         for (int i = 0; i < 2; ++i) {
-            Sums& s = average[i];
-            scaleAll(s, 2.0f * result.ks[i]);
-            addScaled(s, cross[i], -2.0f * both * squareRoot(lobes[1 - i].det));
+            const Sums s = combined(average[i], 2.0f * result.ks[i], cross[i],
+                                    -2.0f * both * squareRoot(lobes[1 - i].det));
             LogSlopes d = overlapSlopes(lobes[i], s);
             subtractNormSlopes(d, lobes[i], o[i], result.ks[i] * result.ks[i]);
             gradientOf(lobes[i], d, inverse, gradient + 5 * i);
@@ -277,13 +245,12 @@ struct PairMixtureObjective {
     using Result = PairResult;
     using Scaling = PairScaling;
     static constexpr int kMostUnknowns = 10;
-    static constexpr int kRow = 7;
-    const float* rows; // [count][kRow][lanes]
-    int count = 0;
+    LaneTerms terms;
     PairResult result{}; // of the last evaluation
 
-    static int size(const PairJob& job) { return job.mixtureCount; }
-    static void fill(const PairJob& job, int i, float* to) { fillTerm(job.mixture[i], to); }
+    explicit PairMixtureObjective(float* scratch) : terms{scratch} {}
+    void take(int lane, const PairJob& job) { terms.take(lane, job.mixture, job.mixtureCount); }
+    void drop(int lane) { terms.drop(lane); }
 
     LUMEL_INLINE V operator()(const PairScaling& scaling, const V* x, V* gradient)
     {
@@ -294,7 +261,7 @@ struct PairMixtureObjective {
         V g[2], norm[2];
         for (int i = 0; i < 2; ++i) {
             const MixtureLobe &m = lobes[i], &other = lobes[1 - i];
-            average[i] = sumMixture(rows, count, m.lobe, m.sxx, m.sxy, m.syy);
+            average[i] = sumMixture(terms, m.lobe, m.sxx, m.sxy, m.syy);
             accumulate(cross[i], productOf(other.component(), m.lobe.frame, m.sxx, m.sxy, m.syy));
             g[i] = kTwoPi * average[i].overlap;
             norm[i] = kPi * m.lobe.frame.nz * m.plus;

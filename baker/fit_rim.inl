@@ -57,7 +57,7 @@ LUMEL_INLINE Sums sumRim(const Lobe& lobe)
             const V level = squareRoot(maximum(1.0f - y * y, splat(0.0f)));
             const V out = level * cosine;
             const Point p = locate(f, out * dx - y * dy, out * dy + y * dx, -level * x);
-            accumulate(sum, p, lobe, kGauss8[1][j] * share * level, 2.0f);
+            accumulate(sum, termsAt(p, lobe, 2.0f), kGauss8[1][j] * share * level);
         }
     }
     return sum;

@@ -45,7 +45,7 @@ struct Search {
     I fresh{};  // lanes that need a new direction
     I first{};  // lanes that evaluate their start
 
-    Search(const float* rows, bool isotropic) : objective{rows}, n(isotropic ? N / 5 * 3 : N)
+    Search(float* scratch, bool isotropic) : objective(scratch), n(isotropic ? N / 5 * 3 : N)
     {
         scaling.idle(isotropic);
     }
@@ -144,14 +144,11 @@ struct Search {
 template<class Objective>
 void runJobs(typename Objective::Job* const* jobs, int count, const SearchSettings& settings, float* scratch)
 {
+    const FlushToZero flush;
     Search<Objective> search(scratch, settings.isotropic);
-    constexpr int kRow = Objective::kRow;
-    int next = 0, running[W], evaluations[W], sizes[W];
-    for (int lane = 0; lane < W; ++lane) {
+    int next = 0, running[W], evaluations[W];
+    for (int lane = 0; lane < W; ++lane)
         running[lane] = -1;
-        sizes[lane] = 0;
-    }
-    int rows = 0; // rows of the scratch that hold anything
     for (;;) {
         bool busy = false;
         for (int lane = 0; lane < W; ++lane) {
@@ -160,35 +157,22 @@ void runJobs(typename Objective::Job* const* jobs, int count, const SearchSettin
             if (done) {
                 search.finish(lane, *jobs[running[lane]]);
                 search.active[lane] = 0;
+                search.objective.drop(lane);
                 running[lane] = -1;
             }
             if (running[lane] < 0 && next < count) {
-                const typename Objective::Job& job = *jobs[next];
-                const int size = Objective::size(job);
-                // Rows beyond the other lanes' jobs start empty; beyond this job the lane is cleared.
-                for (; rows < size; ++rows)
-                    for (int i = 0; i < kRow * W; ++i)
-                        scratch[rows * kRow * W + i] = 0.0f;
-                for (int k = 0; k < size; ++k)
-                    Objective::fill(job, k, scratch + k * kRow * W + lane);
-                for (int k = size; k < sizes[lane]; ++k)
-                    scratch[(k * kRow + kRow - 1) * W + lane] = 0.0f; // no weight
-                sizes[lane] = size;
-                search.start(lane, job);
+                search.objective.take(lane, *jobs[next]);
+                search.start(lane, *jobs[next]);
                 running[lane] = next++;
                 evaluations[lane] = 0;
             }
-            busy = busy || running[lane] >= 0;
+            if (running[lane] >= 0) {
+                busy = true;
+                ++evaluations[lane];
+            }
         }
         if (!busy)
             return;
-        int longest = 0;
-        for (int lane = 0; lane < W; ++lane)
-            if (running[lane] >= 0) {
-                longest = longest > sizes[lane] ? longest : sizes[lane];
-                ++evaluations[lane];
-            }
-        search.objective.count = longest;
         search.chooseDirections();
         search.advance(settings.tolerance);
     }
@@ -204,15 +188,14 @@ void minimiseMixtures(FitJob* const* jobs, int count, const SearchSettings& sett
     runJobs<MixtureObjective>(jobs, count, settings, scratch);
 }
 
-void evaluate(const FitJob& job, float* overlap, float* norm, float* gradient, float* scratch)
+void evaluate(const FitJob& job, float* overlap, float* norm, float* gradient, float*)
 {
-    const int size = job.nodes.count;
-    for (int k = 0; k < size; ++k)
-        for (int lane = 0; lane < W; ++lane)
-            ExactObjective::fill(job, k, scratch + k * 4 * W + lane);
+    const FlushToZero flush;
+    ExactObjective objective(nullptr);
+    objective.take(0, job);
     const auto row = [&](int i) { return splat(job.unknowns[i]); };
     const Lobe lobe = makeLobe(splat(job.maxLog), row(kX), row(kY), row(kL1), row(kL2), row(kL3));
-    const Sums sum = sumNodes(scratch, size, lobe);
+    const Sums sum = objective.sum(lobe);
     const Overlap o = overlapOf(lobe, sum);
     *overlap = o.gf[0];
     *norm = o.ff[0];
@@ -237,10 +220,7 @@ void minimisePairMixtures(PairJob* const* jobs, int count, const SearchSettings&
 template<class Objective>
 float evaluatePairWith(const PairJob& job, float* gradient, float* scratch)
 {
-    const int size = Objective::size(job);
-    for (int k = 0; k < size; ++k)
-        for (int lane = 0; lane < W; ++lane)
-            Objective::fill(job, k, scratch + k * Objective::kRow * W + lane);
+    const FlushToZero flush;
     PairScaling scaling{};
     scaling.idle(false);
     V x[10]{}, g[10];
@@ -251,7 +231,8 @@ float evaluatePairWith(const PairJob& job, float* gradient, float* scratch)
     }
     for (int lane = 0; lane < W; ++lane)
         scaling.start(lane, unscaled, x);
-    Objective objective{scratch, size};
+    Objective objective(scratch);
+    objective.take(0, job);
     const V error = objective(scaling, x, g);
     for (int i = 0; i < 10; ++i)
         gradient[i] = g[i][0];

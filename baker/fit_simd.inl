@@ -8,6 +8,28 @@ typedef int I __attribute__((vector_size(4 * LUMEL_LANES)));
 
 #define LUMEL_INLINE inline __attribute__((always_inline))
 
+// While it lives, numbers too small to be normal count as 0. Products of the ends of lobes are such numbers,
+// and many processors take over a hundred cycles for an operation with one of them.
+class FlushToZero {
+#if defined(__x86_64__)
+public:
+    LUMEL_INLINE FlushToZero() : before_(__builtin_ia32_stmxcsr())
+    {
+        constexpr unsigned kResults = 0x8000, kOperands = 0x40;
+        __builtin_ia32_ldmxcsr(before_ | kResults | kOperands);
+    }
+    LUMEL_INLINE ~FlushToZero() { __builtin_ia32_ldmxcsr(before_); }
+    FlushToZero(const FlushToZero&) = delete;
+    FlushToZero& operator=(const FlushToZero&) = delete;
+
+private:
+    unsigned before_;
+#else
+public:
+    FlushToZero() {} // most others do not mind
+#endif
+};
+
 LUMEL_INLINE V splat(float v)
 {
     return V{} + v;
@@ -51,6 +73,33 @@ LUMEL_INLINE bool any(I mask)
     for (int i = 0; i < W; ++i)
         all |= mask[i];
     return all != 0;
+}
+
+typedef float V4 __attribute__((vector_size(16)));
+LUMEL_INLINE V4 load4(const float* p)
+{
+    V4 v;
+    __builtin_memcpy(&v, p, sizeof v);
+    return v;
+}
+
+// Of all lanes.
+LUMEL_INLINE float total(V v)
+{
+    float lanes[W];
+    store(lanes, v);
+#if LUMEL_LANES == 16
+    V4 four = (load4(lanes) + load4(lanes + 8)) + (load4(lanes + 4) + load4(lanes + 12));
+#elif LUMEL_LANES == 8
+    V4 four = load4(lanes) + load4(lanes + 4);
+#elif LUMEL_LANES == 4
+    V4 four = v;
+#else
+    return lanes[0];
+#endif
+#if LUMEL_LANES > 1
+    return (four[0] + four[1]) + (four[2] + four[3]);
+#endif
 }
 
 // e^x by 2^n times a minimax polynomial of 2^f, |f| <= 1/2; relative error 2e-7 for x in [-80, 80].

@@ -113,11 +113,17 @@ public:
         for (size_t i = 0; i < texels_.size(); ++i)
             sum += double(std::abs(right_[i])) + double(std::abs(down_[i]));
         const float mean = float(sum / (2.0 * double(texels_.size())));
+        std::vector<std::vector<int>> doubles(size_t(height_) * 2); // by row and parity of x
+        forRows([&](int y) {
+            for (int x = 0; x < width_; ++x)
+                if (!texels_[at(x, y)].single())
+                    doubles[size_t(2 * y + x % 2)].push_back(x);
+        });
         for (int sweep = 0; sweep < kHot + kCold; ++sweep) {
             const float temperature = std::max(0.0f, mean * float(kHot - sweep) / float(kHot));
             for (int colour = 0; colour < 2; ++colour)
                 forRows([&](int y) {
-                    for (int x = (y + colour) % 2; x < width_; x += 2)
+                    for (const int x : doubles[size_t(2 * y + (y + colour) % 2)])
                         turn(x, y, temperature, uint32_t(2 * sweep + colour));
                 });
         }
@@ -148,8 +154,6 @@ private:
     void turn(int x, int y, float temperature, uint32_t step)
     {
         const size_t i = at(x, y);
-        if (texels_[i].single())
-            return;
         const auto neighbour = [&](int nx, int ny) {
             return at(wrapped(nx, width_, wrap_), wrapped(ny, height_, wrap_));
         };

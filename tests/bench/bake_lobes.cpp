@@ -2,13 +2,20 @@
 // one lobe and two, relative to LEAN's (mean Ks, as it is baked); the share of texels above level 0 with a
 // second lobe; and seconds.
 //   build/bake_lobes [normal.png...]
+//   build/bake_lobes --starts 100 bumps
+// The latter takes a generated map and compares the search for two lobes with brute force: the best of so
+// many random starts a texel, each searched at quadrature nodes for up to 200 evaluations, on a sample of
+// texels.
+#include "baker/averager.h"
 #include "baker/bake.h"
+#include "baker/solver.h"
 #include "core/decoder_process.h"
 #include "core/error.h"
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <random>
 
 namespace lumel {
 namespace {
@@ -115,6 +122,127 @@ void measure(Named& map, float power)
     std::fflush(stdout);
 }
 
+// The average over a texel of level L of a map of constant power, at nodes, and random pairs of lobes.
+class BruteForce {
+public:
+    explicit BruteForce(const baker::Maps& maps) : source_(maps), averager_(source_) {}
+
+    float bestOf(int starts, int level, int x, int y)
+    {
+        const int size = 1 << level;
+        lobes_.resize(size_t(size) * size_t(size));
+        members_.clear();
+        for (int j = 0; j < size; ++j)
+            source_.read(y * size + j, x * size, (x + 1) * size, lobes_, size_t(j) * size_t(size));
+        for (size_t i = 0; i < lobes_.size(); ++i)
+            members_.push_back({uint32_t(i), 1.0f});
+        baker::Cell cell;
+        averager_.gather(lobes_, members_, nullptr, false, cell);
+        if (cell.uniform)
+            return 0.0f;
+        baker::NodeSet nodes;
+        std::vector<float> weight[3];
+        cell.patch.appendTo(nodes, weight, float(1.0 / cell.sum.weight), 1);
+        weight[0].resize(nodes.size());
+        baker::PairJob job;
+        job.energy = 0.0f;
+        for (size_t k = 0; k < nodes.size(); ++k) {
+            const float g = weight[0][k];
+            weight[0][k] *= nodes.area[k];
+            job.energy += g * weight[0][k];
+        }
+        job.nodes = {int(nodes.size()), nodes.x.data(), nodes.y.data(), nodes.z.data(), weight[0].data()};
+        job.area = nodes.area.data();
+        job.maxLog = float(0.5 * std::log(1.1 * cell.sum.maxPower - double(baker::kBase)));
+        return search(job, starts);
+    }
+
+private:
+    float search(baker::PairJob job, int starts)
+    {
+        std::vector<baker::PairJob> jobs;
+        std::vector<baker::PairJob*> order;
+        std::uniform_int_distribution<size_t> any(0, lobes_.size() - 1);
+        std::uniform_real_distribution<float> logWidth(0.0f, 3.0f); // of the lobe's own variance
+        for (int i = 0; i < starts; ++i) {
+            for (float* unknowns : job.unknowns) {
+                const size_t l = any(random_);
+                const float s = lobes_.sxx[l] * std::exp(logWidth(random_));
+                baker::toUnknowns({lobes_.nx[l], lobes_.ny[l], s, 0.0f, s}, job.maxLog, unknowns);
+            }
+            jobs.push_back(job);
+        }
+        for (baker::PairJob& one : jobs)
+            order.push_back(&one);
+        baker::SearchSettings settings;
+        settings.isotropic = false;
+        settings.maxEvaluations = 200;
+        settings.tolerance = 1e-4f;
+        baker::kernels().minimisePairs(order.data(), starts, settings, nullptr);
+        float best = 1.0f;
+        for (const baker::PairJob& one : jobs)
+            best = std::min(best, one.error);
+        return std::max(best, 0.0f);
+    }
+
+    baker::Source source_;
+    baker::Averager averager_;
+    baker::Lobes lobes_;
+    std::vector<baker::Member> members_;
+    std::mt19937 random_{1};
+};
+
+baker::ReflectanceMips bakeOf(const baker::Maps& maps, baker::Method method, LobeCount lobes)
+{
+    baker::Options options;
+    options.method = method;
+    options.lobes = lobes;
+    return baker::bake(maps, options);
+}
+
+// Evenly spread texels of levels 1, 2, 3 and 5; sums of mean E relative to LEAN's.
+void compare(Named& map, int starts)
+{
+    constexpr int kAcross = 16; // texels of a level
+    map.maps.powerConstant = 200.0f;
+    map.maps.specularConstant = glm::vec3(1.0f);
+    const auto lean = bakeOf(map.maps, baker::Method::lean, LobeCount::one);
+    const auto two = bakeOf(map.maps, baker::Method::fit, LobeCount::two);
+    BruteForce force(map.maps);
+    double sums[3] = {};
+    fmt::print("{}, power 200: mean E of LEAN, the search, and the best of {} random starts\n", map.name,
+               starts);
+    for (const int l : {1, 2, 3, 5}) {
+        const baker::Level& level = two.levels[size_t(l)];
+        const int across = std::min(level.width, kAcross);
+        double means[3] = {};
+        for (int i = 0; i < across * across; ++i) {
+            const int x = (2 * (i % across) + 1) * level.width / (2 * across);
+            const int y = (2 * (i / across) + 1) * level.height / (2 * across);
+            means[0] += double(lean.levels[size_t(l)].at(x, y)[baker::kError]);
+            means[1] += double(level.at(x, y)[baker::kError]);
+            means[2] += double(force.bestOf(starts, l, x, y));
+        }
+        for (int m = 0; m < 3; ++m)
+            sums[m] += means[m] /= across * across;
+        fmt::print("level {}: {:.5f} {:.5f} {:.5f}\n", l, means[0], means[1], means[2]);
+        std::fflush(stdout);
+    }
+    fmt::print("E / LEAN: search {:.4f}, best of {}: {:.4f}\n", sums[1] / sums[0], starts, sums[2] / sums[0]);
+}
+
+int bruteForce(int starts, const std::string& name)
+{
+    for (Named& map : generatedMaps())
+        if (map.name == name && map.maps.anisotropicPower.x <= 0.0f && starts > 0) {
+            compare(map, starts);
+            return 0;
+        }
+    fmt::print(stderr,
+               "bake_lobes: --starts takes a number above 0 and bumps, \"fine bumps\" or V-grooves\n");
+    return 2;
+}
+
 void run(int argc, char** argv)
 {
     std::vector<Named> maps;
@@ -142,6 +270,8 @@ int main(int argc, char** argv)
 {
     try {
         const lumel::DecoderProcess decoder; // before any thread
+        if (argc == 4 && argv[1] == std::string("--starts"))
+            return lumel::bruteForce(std::atoi(argv[2]), argv[3]);
         lumel::run(argc, argv);
         return 0;
     } catch (const lumel::Error& e) {
