@@ -41,7 +41,7 @@ void addFields(ContentHash& hash, const Fields&... fields)
 std::string sourceHash(const Maps& maps, const Options& options)
 {
     ContentHash hash;
-    hash.add(std::string(kVersion));
+    hash.add(std::string(kVersion)).add(std::string(kResults));
     const auto& [height, heightScale, normal, normalGreenUp, signedNormals, normalScale, givenWrap, power,
                  powerConstant, roughness, anisotropy, tangentRotation, anisotropicPower, specular,
                  specularConstant, diffuse, diffuseConstant] = maps;

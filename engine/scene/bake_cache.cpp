@@ -179,7 +179,7 @@ std::string BakeCache::inputKey(const Material& material) const
     m.alphaCutoff = 0.0f;
     m.doubleSided = false;
     ContentHash hash;
-    hash.add(std::string(baker::kVersion)).add(std::string(kMapsVersion));
+    hash.add(std::string(baker::kVersion)).add(std::string(baker::kResults)).add(std::string(kMapsVersion));
     hash.addValue(options_.method).addValue(options_.model).addValue(options_.lobes);
     const auto add = [&](const auto& field) {
         // Integers are indices of images: their contents count, not where they stand in the file.
