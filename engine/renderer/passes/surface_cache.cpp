@@ -40,7 +40,7 @@ size_t SurfaceCache::roomFor(size_t pages)
 
 void SurfaceCache::reserve(gpu::FrameRing& ring, size_t pages, size_t capBytes)
 {
-    // Below this many it is not worth its passes.
+    // Below this many, or half as many that the view needs, it is not worth its passes.
     constexpr size_t kLeastPages = 64 * shared::kSurfaceWords;
     const auto fitting = [](size_t all) { return all - std::min(all, kPagesBehind); };
     const size_t texels = device_.limits().core.maxTexelBufferElements;
@@ -51,7 +51,7 @@ void SurfaceCache::reserve(gpu::FrameRing& ring, size_t pages, size_t capBytes)
     const size_t fewest = std::min(fitting(roomFor(pages) / kPageBytes), most);
     if (state_.capacity > most) // textures grow: not past roomFor() if they can help it
         allocate(ring, uint32_t(fewest >= kLeastPages ? fewest : 0));
-    else if (needed > state_.capacity + state_.capacity / 8 && wanted >= kLeastPages)
+    else if (needed > state_.capacity + state_.capacity / 8 && std::min(2 * pages, most) >= kLeastPages)
         allocate(ring, uint32_t(wanted));
 }
 
