@@ -34,15 +34,15 @@ Axes axesOf(glm::vec3 normal, glm::vec3 covariance)
     return {variances.x, variances.y, u * std::cos(angle) + v * std::sin(angle)};
 }
 
-// A texel's lobe; of two, the one with their moments, weighted by what they reflect.
-Shape bakedShape(const Level& level, int x, int y)
+// A texel's lobe; of two, the one with their moments, weighted by what they reflect, then both.
+std::vector<Shape> bakedShapes(const Level& level, int x, int y)
 {
     const float* t = level.at(x, y);
     const Shape first{t[kNx], t[kNy], t[kSxx], t[kSxy], t[kSyy]};
     const float* s = level.second.empty() ? nullptr : level.secondAt(x, y);
     const float other = s ? luminanceOf({s[kKs2R], s[kKs2G], s[kKs2B]}) : 0.0f;
     if (other <= 0.0f)
-        return first;
+        return {first};
     const float own = luminanceOf({t[kKsR], t[kKsG], t[kKsB]}), w = other / (own + other);
     const Shape second{s[kN2x], s[kN2y], s[kS2xx], s[kS2xy], s[kS2yy]};
     const auto onDisc = [](const Shape& shape) {
@@ -56,7 +56,7 @@ Shape bakedShape(const Level& level, int x, int y)
     both.sxx = float(own2.xx);
     both.sxy = float(own2.xy);
     both.syy = float(own2.yy);
-    return both;
+    return {both, first, second};
 }
 
 // The lobe at level 0, as it is.
@@ -172,21 +172,20 @@ public:
     GgxTexel texel(int x, int y, Errors& errors)
     {
         const GgxMeans means = average_.means(x, y, level_.width, level_.height);
-        const Shape baked = bakedShape(level_, x, y);
-        const Axes axes = axesOf(glm::vec3(normalOf(baked)), {baked.sxx, baked.sxy, baked.syy});
+        const std::vector<Shape> baked = bakedShapes(level_, x, y);
         GgxTexel result;
         result.f0 = means.f0;
-        result.shape = start(means, baked, axes);
+        result.shape = start(means, baked.front());
         average_.sum(means, result.shape);
         const auto error = [&](const GgxShape& shape) { return average_.error(means, shape); };
         const double averaged = error(means.averaged);
         GgxShape converted = result.shape; // of the baked normal
-        converted.alphaT = converted.alphaB = std::sqrt(2.0f / (scalarPower(baked) + 2.0f));
+        converted.alphaT = converted.alphaB = std::sqrt(2.0f / (scalarPower(baked.front()) + 2.0f));
         errors = {float(averaged), float(error(converted)), float(averaged)};
         if (averaged < kAlike)
             result.shape = means.averaged;
         else
-            errors.own = float(search(error, means, result.shape));
+            errors.own = float(search(error, means, std::span(baked).subspan(1), result.shape));
         result.diffuse = means.diffuseAlong(result.shape.normal);
         return result;
     }
@@ -194,10 +193,11 @@ public:
 private:
     // What the normals spread adds to the mean square of alpha: twice the variance of their slopes
     // (Beckmann's alpha; Filament adds it likewise to mean roughness).
-    GgxShape start(const GgxMeans& means, const Shape& baked, const Axes& axes) const
+    GgxShape start(const GgxMeans& means, const Shape& baked) const
     {
         GgxShape shape;
         shape.normal = glm::vec3(normalOf(baked));
+        const Axes axes = axesOf(shape.normal, {baked.sxx, baked.sxy, baked.syy});
         shape.tangent = axes.tangent;
         const auto alpha = [&](float variance) {
             const float own = alphaOfVariance(variance);
@@ -212,9 +212,11 @@ private:
         return shape;
     }
 
-    // Along the baked normal and along the mean one. Returns the error.
+    // Along the baked normal, along the mean one and along those of two lobes: one GGX lobe may do best at
+    // the peak of the stronger. Returns the error.
     template<class Error>
-    double search(const Error& error, const GgxMeans& means, GgxShape& shape) const
+    double search(const Error& error, const GgxMeans& means, std::span<const Shape> lobes,
+                  GgxShape& shape) const
     {
         scale(error, shape);
         GgxShape other = shape;
@@ -230,6 +232,11 @@ private:
         if (glm::dot(other.normal, shape.normal) < kSameNormal) {
             scale(error, other);
             take(other);
+        }
+        for (const Shape& lobe : lobes) {
+            GgxShape own = start(means, lobe);
+            scale(error, own);
+            take(own);
         }
         take(means.averaged);
         return least;

@@ -295,6 +295,36 @@ TEST(Ggx, AnisotropicLevelsGetTheNearestIsotropicLobe)
     EXPECT_GT(levels[0].errors.mean, 0.01);
 }
 
+// The moments of two lobes are between them, where a single GGX lobe is a poor stand-in for the stronger
+// one's peak.
+TEST(Ggx, LevelsOfTwoLobesAreNoFartherFromTheAverageThanOfOne)
+{
+    Maps maps;
+    maps.normal = constantImage(16, 16, {0.5f, 0.5f, 1.0f});
+    maps.powerConstant = 500.0f;
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 16; x += 4) { // a quarter of the texels leans
+            float* n = maps.normal.at(x, y);
+            n[0] = 0.75f;
+            n[2] = 0.5f + 0.5f * std::sqrt(0.75f);
+        }
+    Options options;
+    options.lobes = LobeCount::one;
+    const auto one = fitGgx(bake(maps, options), {});
+    options.lobes = LobeCount::two;
+    const ReflectanceMips mips = bake(maps, options);
+    ASSERT_FALSE(mips.levels[2].second.empty());
+    const auto two = fitGgx(mips, {});
+    ASSERT_EQ(one.size(), two.size());
+    for (const size_t level : {2, 3}) {
+        const auto error = [&](const std::vector<GgxLevel>& levels) {
+            const GgxTexel& t = levels[level].at(0, 0);
+            return bruteForceError(levels[0], 1 << level, 0, 0, t.shape, luminanceOf(t.f0));
+        };
+        EXPECT_LE(error(two), 1.02 * error(one)) << level;
+    }
+}
+
 TEST(Ggx, SecondLobesAndBlackMapsAreTaken)
 {
     Options options;
