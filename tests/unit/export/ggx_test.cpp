@@ -268,7 +268,7 @@ TEST(Ggx, AFewSmoothTexelsDoNotMakeAllSmooth)
     maps.roughness = Image(8, 8, 1);
     for (size_t i = 0; i < 64; ++i)
         maps.roughness.pixels[i] = i % 8 ? 0.5f : 0.15f;
-    const GgxShape& shape = fitGgx(bake(maps, {}), {}).back().texels[0].shape;
+    const GgxShape shape = fitGgx(bake(maps, {}), {}).back().texels[0].shape;
     EXPECT_GT(std::sqrt(shape.alphaT), 0.4f);
 }
 
