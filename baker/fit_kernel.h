@@ -90,12 +90,13 @@ struct Kernels {
     // Points of Lambert's map and areas there, in `spacing`s, to half vectors and areas of the disc, in
     // place.
     void (*toHalfVectors)(float* x, float* y, float* z, float* area, int count, float spacing);
-    // BFGS on `count` jobs, one a lane; a lane that is done takes the next job. Jobs of like node counts
-    // belong together. `scratch` holds 4 * kMaxLanes floats for each node of the largest job.
+    // BFGS on `count` jobs, one a lane; a lane that is done takes the next job. Against nodes, `scratch` is
+    // not used.
     void (*minimise)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
-    // The same against the mixtures; 7 * kMaxLanes floats for each term.
+    // The same against the mixtures; 7 * kMaxLanes floats for each term. Jobs of like term counts belong
+    // together.
     void (*minimiseMixtures)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
-    // Searches for two lobes; 5 * kMaxLanes floats for each node, or 7 for each term.
+    // Searches for two lobes, against nodes and against mixtures.
     void (*minimisePairs)(PairJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
     void (*minimisePairMixtures)(PairJob* const* jobs, int count, const SearchSettings& settings,
                                  float* scratch);
