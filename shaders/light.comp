@@ -10,12 +10,22 @@
 #include "lib/light_tiles.glsl"
 #include "lib/material.glsl"
 
+layout(set = 3, binding = 0) uniform usamplerBuffer vertexTexels;
+
+Vertex vertexAt(uint index)
+{
+    int first = int(4u * index);
+    vec4 a = uintBitsToFloat(texelFetch(vertexTexels, first)), b = uintBitsToFloat(texelFetch(vertexTexels, first + 1)),
+         c = uintBitsToFloat(texelFetch(vertexTexels, first + 2)), d = uintBitsToFloat(texelFetch(vertexTexels, first + 3));
+    return Vertex(a.xyz, vec3(a.w, b.xy), vec4(b.zw, c.xy), c.zw, d.xy, d.zw);
+}
+
 // What lumels of a tile have in common.
 struct TileSurface {
     mat4 worldFromObject;
     mat3 worldFromObjectNormal;
     Texels texels;
-    Vertices vertices;
+    uint firstVertex;
     Indices indices;
     Colours colours;
     vec2 levels;   // of reflectance and emission, where their texels coincide with lumels
@@ -27,7 +37,7 @@ struct TileSurface {
 TileSurface surfaceOf(ObjectAt object, uint level, uvec2 size)
 {
     return TileSurface(object.at.worldFromObject, object.at.worldFromObjectNormal, object.at.texels,
-                       object.at.vertices, object.at.indices, object.at.colours,
+                       object.at.firstVertex, object.at.indices, object.at.colours,
                        float(level) + vec2(object.at.materialLevelOffset, object.at.emissiveLevelOffset), size,
                        object.at.flags, object.at.dielectric);
 }
@@ -64,9 +74,9 @@ SurfacePoint pointOf(TileSurface surface, uvec2 lumel, uint triangle)
 {
     uvec3 corners = uvec3(surface.indices.at[3u * triangle - 3u], surface.indices.at[3u * triangle - 2u],
                           surface.indices.at[3u * triangle - 1u]);
-    Vertex a = surface.vertices.at[corners.x];
-    Vertex b = surface.vertices.at[corners.y];
-    Vertex c = surface.vertices.at[corners.z];
+    Vertex a = vertexAt(surface.firstVertex + corners.x);
+    Vertex b = vertexAt(surface.firstVertex + corners.y);
+    Vertex c = vertexAt(surface.firstVertex + corners.z);
     vec2 uv = (vec2(lumel) + 0.5) / vec2(surface.size);
     vec3 w = barycentrics(a.uv, b.uv, c.uv, uv);
     vec3 position = w.x * a.position + w.y * b.position + w.z * c.position;

@@ -43,9 +43,9 @@ gpu::Demands rendererDemands()
         .pushBytes = uint32_t(
             std::max({sizeof(shared::LitPush), sizeof(shared::PlanPush), sizeof(shared::FeedbackPush),
                       sizeof(shared::ShadowPush), sizeof(shared::DeformPush), sizeof(shared::ForwardPush)})),
-        .sets = 3,          // light.comp: the frame's, the material's, the lit texture's
-        .sampledImages = 9, // of these: environment and shadow maps, six maps, the lit texture
-        .storageImages = 2, // accumulate.comp
+        .sets = 4,           // light.comp: the frame's, the material's, the lit texture's, the vertices'
+        .sampledImages = 12, // of these: environment and shadow maps, the object table, eight maps, vertices
+        .storageImages = 2,  // accumulate.comp
         .uniformBuffers = 2,
         .uniformBytes = uint32_t(std::max(sizeof(shared::View), shared::kMaxLights * sizeof(shared::Light))),
         .vertexAttributes = shared::kAttributeWorldNormal + 3, // three columns

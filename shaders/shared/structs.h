@@ -184,7 +184,8 @@ struct Object {
     float materialLevelOffset;     // material level = lit level + this, where the UVs are the same
     float emissiveLevelOffset;     // the same for emissive, a map of a size of its own
     uint tileOffsets[kMaxLevels];  // first tile of each MIP
-    uint unused[2];
+    uint firstVertex;              // in the buffer of `vertices`
+    uint unused;
 };
 LUMEL_CONST uint kObjectTexels = 20u;
 // Of these, where they are.

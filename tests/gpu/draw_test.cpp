@@ -203,7 +203,7 @@ TEST_F(DrawTest, MeshesShareBuffersUpToASize)
     for (const int cells : {1, 2, 1, 30, 1, 1})
         meshes.push_back(planeMesh(cells));
     meshes[1].indices.resize(21); // an odd number: what follows is aligned all the same
-    MeshBuffers buffers;
+    MeshBuffers buffers(device());
     gpu::UploadBatch batch(device());
     buffers.upload(batch, meshes, 20 * sizeof(shared::Vertex));
     batch.finish();
@@ -214,7 +214,9 @@ TEST_F(DrawTest, MeshesShareBuffersUpToASize)
     EXPECT_EQ(parts[1].vertices.address, parts[0].vertices.address + 4 * sizeof(shared::Vertex));
     EXPECT_EQ(parts[1].indices.first, 6u);
     EXPECT_EQ(parts[2].indices.first, 28u);
+    EXPECT_EQ(parts[0].texels, parts[1].texels);
     EXPECT_NE(parts[3].vertices.buffer, parts[2].vertices.buffer); // too large to share
+    EXPECT_NE(parts[3].texels, parts[2].texels);
     EXPECT_NE(parts[4].vertices.buffer, parts[3].vertices.buffer);
     EXPECT_EQ(parts[4].indices.buffer, parts[5].indices.buffer);
     for (const MeshParts& part : parts) {

@@ -17,7 +17,7 @@ namespace lumel {
 struct BoundState {
     struct Point {
         vk::Pipeline pipeline;
-        std::array<vk::DescriptorSet, 3> sets;
+        std::array<vk::DescriptorSet, 4> sets;
     } graphics, compute;
     vk::Buffer vertices, indices;
     uint32_t firstVertex = 0;

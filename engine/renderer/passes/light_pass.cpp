@@ -14,10 +14,10 @@ const gpu::Pipeline& LightPass::lightPipeline(const Frame& frame, const LitPool&
 {
     gpu::Pipeline& pipeline = light_[features];
     if (!pipeline.handle.begun())
-        pipeline = gpu::makeComputePipeline(
-            frame.device, "light.comp",
-            {*frame.scene.frameSet().layout(), *frame.scene.materialLayout(), *pool.layout()},
-            sizeof(shared::LightPush), features);
+        pipeline = gpu::makeComputePipeline(frame.device, "light.comp",
+                                            {*frame.scene.frameSet().layout(), *frame.scene.materialLayout(),
+                                             *pool.layout(), *frame.scene.vertexTexelLayout()},
+                                            sizeof(shared::LightPush), features);
     return pipeline;
 }
 
@@ -68,8 +68,12 @@ void LightPass::recordLight(Frame& frame, const LitPool& pool, const PlanPass& p
         const uint32_t features = lights | featuresOf(job);
         const gpu::Pipeline& light = job.material ? lightPipeline(frame, pool, features)
                                                   : cachedPipeline(frame, pool, surfaces, features);
-        bindSets(frame, vk::PipelineBindPoint::eCompute, light,
-                 {job.material ? *job.material->set : surfaces.set(), *pool.blocks()[size_t(job.block)].set});
+        const vk::DescriptorSet lit = *pool.blocks()[size_t(job.block)].set;
+        constexpr auto kCompute = vk::PipelineBindPoint::eCompute;
+        if (job.material)
+            bindSets(frame, kCompute, light, {*job.material->set, lit, job.vertices});
+        else
+            bindSets(frame, kCompute, light, {surfaces.set(), lit});
         pushConstants(commands, light, plan.push(i));
         commands.dispatchIndirect(plan.jobBuffer(), i * sizeof(shared::Job));
     }

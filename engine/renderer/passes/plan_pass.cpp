@@ -52,7 +52,7 @@ PlanPass::PlanPass(const gpu::Device& device, const SceneState& scene, const Fee
 uint32_t PlanPass::lightJobOf(const LightJob& job)
 {
     const auto [entry, isNew] = lightJobIndex_.try_emplace(
-        {job.surface, job.material, job.twoLobes, job.block}, uint32_t(lightJobs_.size()));
+        {job.surface, job.material, job.vertices, job.twoLobes, job.block}, uint32_t(lightJobs_.size()));
     if (isNew)
         lightJobs_.push_back(job);
     return entry->second;
@@ -83,10 +83,10 @@ void PlanPass::prepare(Frame& frame, const LitPool& pool)
         const int block = residency[i].texture.block;
         const GpuObject& object = objects[i];
         const bool two = (object.data.flags & shared::kObjectSecondLobe) != 0;
-        jobs[i].light =
-            lightJobOf({object.coloured ? Surface::coloured : Surface::found, object.material, two, block});
-        jobs[i].cached = lightJobOf({Surface::cachedAndShadows, nullptr, two, block});
-        const uint32_t shadowsUnknown = lightJobOf({Surface::cached, nullptr, two, block}); // the next
+        jobs[i].light = lightJobOf({object.coloured ? Surface::coloured : Surface::found, object.material,
+                                    object.vertexTexels, two, block});
+        jobs[i].cached = lightJobOf({Surface::cachedAndShadows, nullptr, {}, two, block});
+        const uint32_t shadowsUnknown = lightJobOf({Surface::cached, nullptr, {}, two, block}); // the next
         const uint32_t tail = shared::derivedTail(layout.mips);
         jobs[i].lower = lowerJobOf(block, tail);
         lightJobs_[jobs[i].light].capacity += layout.tiles;

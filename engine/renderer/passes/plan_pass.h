@@ -10,11 +10,12 @@ class PlanPass {
 public:
     // One indirect dispatch over a list of tiles.
     enum class Surface { found, coloured, cached, cachedAndShadows };
-    // Tiles in one block: of one material, with or without vertex colours; or those whose surface is cached,
-    // of one lobe or two, and their shadows or not.
+    // Tiles in one block: of one material and vertex buffer, with or without vertex colours; or those whose
+    // surface is cached, of one lobe or two, and their shadows or not.
     struct LightJob {
         Surface surface;
         const GpuMaterial* material; // null: of any
+        vk::DescriptorSet vertices;  // GpuObject::vertexTexels; none where surfaces are cached
         bool twoLobes;
         int block;
         uint32_t first = 0, capacity = 0; // in the tile list
@@ -74,7 +75,7 @@ private:
     std::array<gpu::Buffer, gpu::FrameRing::kMostFrames> readbacks_, uploads_;
     std::vector<LightJob> lightJobs_;
     std::vector<LowerJobs> lowerJobs_;
-    std::map<std::tuple<Surface, const GpuMaterial*, bool, int>, uint32_t> lightJobIndex_;
+    std::map<std::tuple<Surface, const GpuMaterial*, vk::DescriptorSet, bool, int>, uint32_t> lightJobIndex_;
     std::map<int, uint32_t> lowerJobIndex_; // into lowerJobs_
     uint32_t jobCount_ = 0;
 };

@@ -17,7 +17,7 @@ std::vector<size_t> firstOfEach(const Lists& lists, size_t& total)
 } // namespace
 
 DeformedMeshes::DeformedMeshes(const gpu::Device& device, const scene::Scene& scene,
-                               const std::vector<GpuMesh>& meshes)
+                               const GeometryResources& geometry)
 {
     if (scene.deformed.empty())
         return;
@@ -27,7 +27,7 @@ DeformedMeshes::DeformedMeshes(const gpu::Device& device, const scene::Scene& sc
     firstWeight_ = firstOfEach(rest.weights, weightCount_);
     begin(0);
     for (size_t i = 0; i < scene.deformed.size(); ++i)
-        items_.push_back(makeItem(device, scene, meshes, i));
+        items_.push_back(makeItem(device, scene, geometry, i));
     set(rest);
 }
 
@@ -45,16 +45,17 @@ void DeformedMeshes::begin(uint32_t place)
 }
 
 DeformedMeshes::Item DeformedMeshes::makeItem(const gpu::Device& device, const scene::Scene& scene,
-                                              const std::vector<GpuMesh>& meshes, size_t index) const
+                                              const GeometryResources& geometry, size_t index) const
 {
     const scene::DeformedMesh& deformed = scene.deformed[index];
     const scene::Mesh& mesh = scene.meshes[size_t(deformed.mesh)];
-    const GpuMesh& source = meshes[size_t(deformed.mesh)];
+    const GpuMesh& source = geometry.meshes()[size_t(deformed.mesh)];
     const scene::Deformation& d = mesh.deformation;
     Item item;
     item.vertices =
         gpu::Buffer(device, mesh.vertices.size() * sizeof(shared::Vertex), gpu::Buffer::MemoryUsage::device,
                     mesh.name + " deformed", "use a smaller scene", gpu::MemoryKind::geometry);
+    item.texels.emplace(device, geometry.vertexTexelLayout(), item.vertices);
     item.skin = deformed.skin;
     item.extents = d.extents;
     const auto addressOr = [&](const gpu::Buffer& buffer) {

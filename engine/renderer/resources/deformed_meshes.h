@@ -9,15 +9,16 @@ namespace lumel {
 class DeformedMeshes {
 public:
     DeformedMeshes() = default;
-    // meshes: the scene's, which outlive them.
-    DeformedMeshes(const gpu::Device& device, const scene::Scene& scene, const std::vector<GpuMesh>& meshes);
+    // geometry: the scene's, which outlives them.
+    DeformedMeshes(const gpu::Device& device, const scene::Scene& scene, const GeometryResources& geometry);
 
     // By deformed mesh: have its vertices moved?
     std::vector<uint8_t> set(const scene::Shapes& shapes);
 
     struct Item {
         gpu::Buffer vertices;
-        shared::DeformPush push{}; // but for what lies in the ring
+        std::optional<VertexTexels> texels; // of the vertices
+        shared::DeformPush push{};          // but for what lies in the ring
         scene::Extents extents;
         int skin = -1;
         Bounds bounds;              // object space
@@ -32,7 +33,7 @@ public:
     shared::DeformPush write(size_t item);
 
 private:
-    Item makeItem(const gpu::Device& device, const scene::Scene& scene, const std::vector<GpuMesh>& meshes,
+    Item makeItem(const gpu::Device& device, const scene::Scene& scene, const GeometryResources& geometry,
                   size_t index) const;
 
     struct Place {                     // made when first needed

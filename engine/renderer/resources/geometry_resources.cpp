@@ -43,6 +43,7 @@ float levelOfLumels(glm::ivec2 mapSize, glm::uvec2 litSize)
 
 GeometryResources::GeometryResources(const gpu::Device& device, const scene::Scene& scene,
                                      const std::vector<scene::BakedMaterial>& materials)
+    : buffers_(device)
 {
     meshes_.resize(scene.meshes.size()); // before the batch: it must not outlive what it fills
     gpu::UploadBatch batch(device);
@@ -50,6 +51,7 @@ GeometryResources::GeometryResources(const gpu::Device& device, const scene::Sce
     for (size_t i = 0; i < meshes_.size(); ++i) {
         meshes_[i].vertices = buffers_.parts()[i].vertices;
         meshes_[i].indices = buffers_.parts()[i].indices;
+        meshes_[i].texels = buffers_.parts()[i].texels;
         upload(batch, scene.meshes[i], meshes_[i]);
     }
     for (const scene::Object& object : scene.objects)

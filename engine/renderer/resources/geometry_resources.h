@@ -10,6 +10,7 @@ namespace lumel {
 
 struct GpuMesh {
     BufferPart vertices, indices; // at rest
+    vk::DescriptorSet texels;     // of the vertices' buffer
     gpu::Buffer colours;          // none: all white
     uint32_t indexCount = 0;
     // Of what moves its vertices; none where nothing does.
@@ -40,6 +41,7 @@ public:
                       const std::vector<scene::BakedMaterial>& materials);
 
     const std::vector<GpuMesh>& meshes() const { return meshes_; }
+    const gpu::SetLayout& vertexTexelLayout() const { return buffers_.texelLayout(); }
     // Of an object of the scene.
     const GpuSurface& surface(int mesh, int material) const { return surfaces_.at({mesh, material}); }
 

@@ -28,6 +28,7 @@ shared::Object dataOf(const scene::Material& material, const GpuMesh& mesh, cons
 {
     shared::Object data{};
     data.vertices = vertices.address;
+    data.firstVertex = vertices.first;
     data.indices = mesh.indices.address;
     data.colours = mesh.colours.address();
     data.dielectric = dielectricReflectance(material);
@@ -82,6 +83,9 @@ GpuObject makeObject(const scene::Scene& scene, const scene::Object& object, con
                      .texelMap = surface.texelMap,
                      .vertices = vertices.buffer,
                      .indices = mesh.indices.buffer,
+                     .vertexTexels = object.deformed < 0
+                                         ? mesh.texels
+                                         : deformed.items()[size_t(object.deformed)].texels->set(),
                      .firstVertex = vertices.first,
                      .firstIndex = mesh.indices.first,
                      .indexCount = mesh.indexCount,

@@ -10,6 +10,7 @@ struct GpuObject {
     const GpuMaterial* material = nullptr;
     const GpuTexelMap* texelMap = nullptr; // null: not to be lit in texture space
     vk::Buffer vertices, indices;
+    vk::DescriptorSet vertexTexels; // of all vertices in their buffer
     uint32_t firstVertex = 0, firstIndex = 0, indexCount = 0;
     Bounds bounds;      // object space
     uint32_t moved = 0; // frame in which it last did, or its shape

@@ -6,8 +6,27 @@ namespace lumel {
 static_assert(sizeof(shared::Vertex) % 8 == 0);
 static constexpr size_t kIndexMultiple = 8 / sizeof(uint32_t);
 
+gpu::SetLayout VertexTexels::makeLayout(const gpu::Device& device)
+{
+    return gpu::makeSetLayout(device, {vk::DescriptorType::eUniformTexelBuffer});
+}
+
+VertexTexels::VertexTexels(const gpu::Device& device, const gpu::SetLayout& layout,
+                           const gpu::Buffer& vertices)
+    : view_(gpu::makeTexelView(device, vertices)), set_(gpu::makeSet(device, layout))
+{
+    gpu::writeTexels(device, *set_, 0, *view_);
+}
+
+MeshBuffers::MeshBuffers(const gpu::Device& device)
+    : device_(device), texelLayout_(VertexTexels::makeLayout(device))
+{
+}
+
 void MeshBuffers::upload(gpu::UploadBatch& batch, const std::vector<scene::Mesh>& meshes, size_t bytes)
 {
+    constexpr size_t kTexelBytes = 4 * sizeof(uint32_t);
+    bytes = std::min(bytes, kTexelBytes * device_.limits().core.maxTexelBufferElements);
     const std::span all(meshes);
     for (size_t first = 0, end = 0; first < all.size(); first = end) {
         size_t sum = 0;
@@ -37,8 +56,11 @@ void MeshBuffers::uploadSome(gpu::UploadBatch& batch, std::span<const scene::Mes
         part.buffer = buffer.handle();
         part.address = buffer.address() + part.first * elementBytes;
     };
-    for (size_t i = firstPart; i < parts_.size(); ++i)
+    texels_.emplace_back(device_, texelLayout_, v);
+    for (size_t i = firstPart; i < parts_.size(); ++i) {
         place(parts_[i].vertices, v, sizeof(shared::Vertex));
+        parts_[i].texels = texels_.back().set();
+    }
     const gpu::Buffer& n = buffers_.emplace_back(batch.buffer(indices, "indices", gpu::MemoryKind::geometry));
     for (size_t i = firstPart; i < parts_.size(); ++i)
         place(parts_[i].indices, n, sizeof(uint32_t));

@@ -6,7 +6,7 @@ namespace lumel {
 
 SceneState::SceneState(const gpu::Device& device, const scene::Scene& scene, const SceneResources& resources)
     : resources_(resources), frameSet_(device, scene.objects.size()), lights_(frameSet_),
-      deformed_(device, scene, resources.geometry->meshes())
+      deformed_(device, scene, *resources.geometry)
 {
     lights_.setEnvironment(resources.environment, 0);
     lights_.set(scene::lightsOf(scene), 0);

@@ -19,6 +19,7 @@ public:
     // Of the objects, as they are, were or are expected to be.
     const std::set<SurfaceKind>& surfaceKinds() const { return kinds_; }
     const gpu::SetLayout& materialLayout() const { return resources_.materials->layout(); }
+    const gpu::SetLayout& vertexTexelLayout() const { return resources_.geometry->vertexTexelLayout(); }
     FrameSet& frameSet() { return frameSet_; }
     const FrameSet& frameSet() const { return frameSet_; }
     SceneLights& lights() { return lights_; }
