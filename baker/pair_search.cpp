@@ -159,23 +159,20 @@ void Solver::runPairs(const std::vector<PairStart>& starts, Family family, Again
     std::vector<PairJob> jobs;
     std::vector<PairJob*> onNodes, onMixtures;
     jobs.reserve(starts.size());
-    size_t most = 1;
     for (const PairStart& start : starts) {
         PairJob& job = jobs.emplace_back(pairJobOf(start, family, against));
         const bool exact = against == Against::average && job.nodes.count > 0;
         (exact ? onNodes : onMixtures).push_back(&job);
-        most = std::max(most, size_t(exact ? job.nodes.count : job.mixtureCount));
     }
-    if (scratch_.size() < 7 * most * kMaxLanes)
-        scratch_.resize(7 * most * kMaxLanes);
-    // Similar sizes together, as in run().
-    std::ranges::stable_sort(onNodes, std::greater(), [](const PairJob* job) { return job->nodes.count; });
+    // As in run().
     std::ranges::stable_sort(onMixtures, std::greater(),
                              [](const PairJob* job) { return job->mixtureCount; });
+    if (!onMixtures.empty())
+        reserveScratch(onMixtures.front()->mixtureCount);
     SearchSettings settings;
     settings.isotropic = family == kIsotropic;
     settings.maxEvaluations = evaluations;
-    kernels_.minimisePairs(onNodes.data(), int(onNodes.size()), settings, scratch_.data());
+    kernels_.minimisePairs(onNodes.data(), int(onNodes.size()), settings);
     kernels_.minimisePairMixtures(onMixtures.data(), int(onMixtures.size()), settings, scratch_.data());
     found.resize(starts.size());
     std::vector<PairStart> clampedStarts;

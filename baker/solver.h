@@ -90,6 +90,7 @@ private:
     };
     enum class Against { children, average };
     FitJob jobOf(const Start& start, Family family, Against against) const;
+    void reserveScratch(int terms);
     void run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found);
     // The lobes without a search.
     void judge(const std::vector<Start>& starts, std::vector<Found>& found);
