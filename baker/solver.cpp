@@ -151,7 +151,11 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
     jobs_.resize(count);
     order_.clear();
     std::vector<FitJob*> mixtures;
+    std::vector<size_t> same(count);
     for (size_t i = 0; i < count; ++i) {
+        same[i] = firstAlike(starts, i, family);
+        if (same[i] != i)
+            continue;
         FitJob& job = jobs_[i] = jobOf(starts[i], family, against);
         const bool onNodes = against == Against::average && job.nodes.count > 0;
         (onNodes ? order_ : mixtures).push_back(&job);
@@ -170,6 +174,8 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
     std::vector<Start> clampedStarts;
     std::vector<size_t> clampedIndices;
     for (size_t i = 0; i < count; ++i) {
+        if (same[i] != i)
+            continue;
         found[i] = {starts[i].shape, jobs_[i].error, jobs_[i].norm};
         bool clamped = false;
         found[i].shape = fromUnknowns(jobs_[i].unknowns, jobs_[i].maxLog, clamped);
@@ -178,12 +184,14 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
             clampedIndices.push_back(i);
         }
     }
-    if (clampedStarts.empty())
-        return;
-    std::vector<Found> evaluated;
-    judge(clampedStarts, evaluated);
-    for (size_t i = 0; i < evaluated.size(); ++i)
-        found[clampedIndices[i]] = evaluated[i];
+    if (!clampedStarts.empty()) {
+        std::vector<Found> evaluated;
+        judge(clampedStarts, evaluated);
+        for (size_t i = 0; i < evaluated.size(); ++i)
+            found[clampedIndices[i]] = evaluated[i];
+    }
+    for (size_t i = 0; i < count; ++i)
+        found[i] = found[same[i]];
 }
 
 // On nodes by a kernel of its own; against lists by a search that ends where it starts.
