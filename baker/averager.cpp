@@ -78,11 +78,13 @@ void Averager::average(const Lobes& lobes, const std::vector<Member>& members, c
         sumOnRule(lobes, members, black, patch);
         return;
     }
-    place(lobes, members, patch);
-    if (const size_t points = patch.size(); !shared && points > size_t(kMaxNodes)) {
-        patch.nodes.spacing *= std::sqrt(float(points) / float(kMaxNodes));
-        place(lobes, members, patch);
+    measure(lobes, members, patch.nodes.spacing);
+    if (!shared) {
+        place(patch, true);
+        if (const size_t points = patch.size(); points > size_t(kMaxNodes))
+            patch.nodes.spacing *= std::sqrt(float(points) / float(kMaxNodes));
     }
+    place(patch, false);
     sumOnLattice(lobes, members, black, patch);
 }
 
@@ -105,20 +107,45 @@ void Averager::sumOnRule(const Lobes& lobes, const std::vector<Member>& members,
         }
 }
 
-// The lattice points that the lobes need.
-void Averager::place(const Lobes& lobes, const std::vector<Member>& members, Patch& patch)
+// Where the lobes are, and which of them are so long that a strip has far fewer points than a disc.
+void Averager::measure(const Lobes& lobes, const std::vector<Member>& members, float spacing)
 {
+    constexpr float kFewer = 2.0f; // what a strip must save to be worth its outline
     places_.clear();
-    glm::vec2 lower(1e30f), upper(-1e30f);
-    const float perSpacing = 1.0f / patch.nodes.spacing;
+    longLobes_.clear();
     for (const Member& member : members) {
         const size_t m = member.lobe;
-        const glm::vec2 l = lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]) * perSpacing;
-        const glm::vec2 centre(std::nearbyint(l.x), std::nearbyint(l.y));
-        const Stencil& stencil = stencilFor(supportRadius(lobes.nz[m], lowestPower(lobes, m)) * perSpacing);
-        lower = glm::min(lower, centre - float(stencil.reach));
-        upper = glm::max(upper, centre + float(stencil.reach + 1));
-        places_.push_back({centre, &stencil});
+        const float lowest = lowestPower(lobes, m), radius = supportRadius(lobes.nz[m], lowest);
+        const float det = lobes.sxx[m] * lobes.syy[m] - lobes.sxy[m] * lobes.sxy[m];
+        const float width = supportRadius(lobes.nz[m], 1.0f / (det * lowest));
+        Place place{lambert(lobes.nx[m], lobes.ny[m], lobes.nz[m]), radius, -1, {}, nullptr};
+        if (std::min(radius, kMostReach * spacing) > kFewer * (width + spacing)) {
+            place.strip = int(longLobes_.size());
+            longLobes_.emplace_back(lobes, m);
+        }
+        places_.push_back(place);
+    }
+    if (strips_.size() < longLobes_.size())
+        strips_.resize(longLobes_.size());
+}
+
+// The lattice points that the lobes need, and their box; or the box alone, where strips are bent about.
+void Averager::place(Patch& patch, bool boxOnly)
+{
+    glm::vec2 lower(1e30f), upper(-1e30f);
+    const float spacing = patch.nodes.spacing, perSpacing = 1.0f / spacing;
+    for (Place& place : places_) {
+        const glm::vec2 l = place.at * perSpacing;
+        place.centre = {std::nearbyint(l.x), std::nearbyint(l.y)};
+        if (place.strip >= 0) {
+            Stencil& strip = strips_[size_t(place.strip)];
+            longLobes_[size_t(place.strip)].fill(spacing, place.centre, boxOnly, strip);
+            place.stencil = &strip;
+        } else {
+            place.stencil = &stencilFor(place.radius * perSpacing);
+        }
+        lower = glm::min(lower, place.centre + glm::vec2(place.stencil->lower));
+        upper = glm::max(upper, place.centre + glm::vec2(place.stencil->upper));
     }
     patch.x0 = int(lower.x);
     patch.y0 = int(lower.y);
@@ -131,7 +158,8 @@ void Averager::sumOnLattice(const Lobes& lobes, const std::vector<Member>& membe
 {
     patch.g.assign(patch.size() * size_t(channels_), 0.0f);
     for (size_t i = 0; i < members.size(); ++i) {
-        const auto [centre, stencil] = places_[i];
+        const glm::vec2 centre = places_[i].centre;
+        const Stencil* const stencil = places_[i].stencil;
         float amplitudes[3];
         const LobeTerm lobe = term(lobes, members[i], black, amplitudes);
         values_.resize(stencil->x.size());

@@ -3,6 +3,7 @@
 #include "cell.h"
 #include "fit_kernel.h"
 #include "source.h"
+#include "strip.h"
 
 namespace lumel::baker {
 
@@ -34,7 +35,8 @@ public:
 
 private:
     LobeTerm term(const Lobes& lobes, const Member& member, bool black, float* amplitudes) const;
-    void place(const Lobes& lobes, const std::vector<Member>& members, Patch& patch);
+    void measure(const Lobes& lobes, const std::vector<Member>& members, float spacing);
+    void place(Patch& patch, bool boxOnly);
     void sumOnLattice(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch);
     void sumOnRule(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch);
 
@@ -44,10 +46,15 @@ private:
     std::vector<LobeTerm> terms_;
     std::vector<float> values_;
     struct Place {
-        glm::vec2 centre;
+        glm::vec2 at;     // in Lambert's map
+        float radius;     // there
+        int strip;        // index of a long lobe, or -1
+        glm::vec2 centre; // a lattice point
         const Stencil* stencil;
     };
     std::vector<Place> places_;
+    std::vector<Strip> longLobes_;
+    std::vector<Stencil> strips_; // of those
 };
 
 } // namespace lumel::baker

@@ -88,19 +88,22 @@ struct Overlap {
     Sums rim; // and what the rim adds, over <f, f>
 };
 
-LUMEL_INLINE Overlap overlapOf(const Lobe& lobe, const Sums& sum)
+// The lanes in `busy` count. What a lane finds must not depend on the others' lobes, so the rim adds to those
+// lanes only where it matters.
+LUMEL_INLINE Overlap overlapOf(const Lobe& lobe, const Sums& sum, I busy)
 {
     constexpr float kPi = 3.14159265f;
     const V closed = kPi * lobe.frame.nz * lobe.det / squareRoot(lobe.detPlus);
     Overlap o{squareRoot(lobe.det) * sum.one, closed, splat(1.0f), {}};
-    if (rimMatters(lobe)) {
+    const I cut = busy & rimMatters(lobe);
+    if (any(cut)) {
         o.rim = sumRim(lobe);
-        o.ff = closed + lobe.det * o.rim.one;
-        o.closed = closed / o.ff;
+        o.ff = cut ? closed + lobe.det * o.rim.one : closed;
+        o.closed = cut ? closed / o.ff : splat(1.0f);
         const V share = lobe.det / o.ff;
         V* const sums[] = {&o.rim.alpha, &o.rim.beta, &o.rim.maa, &o.rim.mab, &o.rim.mbb};
         for (V* entry : sums)
-            *entry *= share;
+            *entry = cut ? *entry * share : V{};
     }
     return o;
 }
@@ -131,31 +134,48 @@ LUMEL_INLINE LogSlopes slopesOf(const Lobe& lobe, const Sums& sum, const Overlap
     return d;
 }
 
+// The lanes' jobs, none where a lane idles.
+template<class Job>
+struct LaneJobs {
+    const Job* of[W] = {};
+    I busy{};
+
+    void take(int lane, const Job& job)
+    {
+        of[lane] = &job;
+        busy[lane] = -1;
+    }
+    void drop(int lane)
+    {
+        of[lane] = nullptr;
+        busy[lane] = 0;
+    }
+};
+
 // The error against the nodes.
 struct ExactObjective {
     using Job = FitJob;
     using Result = Norm;
     using Scaling = LobeScaling;
     static constexpr int kMostUnknowns = 5;
-    const FitJob* jobs[W] = {}; // none where a lane idles
-    Norm result{};              // of the last evaluation
+    LaneJobs<FitJob> jobs;
+    Norm result{}; // of the last evaluation
 
-    explicit ExactObjective(float*) {}
-    void take(int lane, const FitJob& job) { jobs[lane] = &job; }
-    void drop(int lane) { jobs[lane] = nullptr; }
+    void take(int lane, const FitJob& job) { jobs.take(lane, job); }
+    void drop(int lane) { jobs.drop(lane); }
     LUMEL_INLINE Sums sum(const Lobe& lobe) const
     {
         Sums all{};
         for (int lane = 0; lane < W; ++lane)
-            if (jobs[lane])
-                reduce(sumNodes(jobs[lane]->nodes, broadcast(lobe, lane)), lane, all);
+            if (jobs.of[lane])
+                reduce(sumNodes(jobs.of[lane]->nodes, broadcast(lobe, lane)), lane, all);
         return all;
     }
     LUMEL_INLINE V operator()(const LobeScaling& scaling, const V* x, V* gradient)
     {
         const Lobe lobe = scaling.lobe(x);
         const Sums sum = this->sum(lobe);
-        const Overlap o = overlapOf(lobe, sum);
+        const Overlap o = overlapOf(lobe, sum, jobs.busy);
         const V explained = o.gf * o.gf / (scaling.energy * o.ff);
         result.norm = o.ff;
         gradientOf(lobe, slopesOf(lobe, sum, o), explained, gradient);

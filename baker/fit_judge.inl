@@ -29,6 +29,7 @@ void judge(Trial* trials, int count)
         Trial* const t = trials + first;
         V nx{}, ny{}, energy = splat(1.0f), maxLog = splat(10.0f);
         Sums sum{};
+        I busy{};
         Lobe lobe = makeLobe(maxLog, nx, ny, V{}, V{}, V{}); // idle lanes
         lobe.pxy = V{};
         lobe.pxx = lobe.pyy = splat(1.0f);
@@ -40,11 +41,12 @@ void judge(Trial* trials, int count)
             lobe.pxy[i] = t[i].pxy;
             lobe.pyy[i] = t[i].pyy;
             sum.one[i] = overlapWith(t[i]);
+            busy[i] = -1;
         }
         lobe.frame = makeFrame(nx, ny);
         lobe.det = lobe.pxx * lobe.pyy - lobe.pxy * lobe.pxy;
         lobe.detPlus = lobe.det + lobe.pxx + lobe.pyy + 1.0f;
-        const Overlap o = overlapOf(lobe, sum);
+        const Overlap o = overlapOf(lobe, sum, busy);
         const V error = 1.0f - o.gf * o.gf / (energy * o.ff);
         for (int i = 0; i < lanes; ++i) {
             t[i].error = error[i];

@@ -90,14 +90,14 @@ struct Kernels {
     // Points of Lambert's map and areas there, in `spacing`s, to half vectors and areas of the disc, in
     // place.
     void (*toHalfVectors)(float* x, float* y, float* z, float* area, int count, float spacing);
-    // BFGS on `count` jobs, one a lane; a lane that is done takes the next job. Against nodes, `scratch` is
-    // not used.
-    void (*minimise)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
-    // The same against the mixtures; 7 * kMaxLanes floats for each term. Jobs of like term counts belong
-    // together.
+    // BFGS on `count` jobs against their nodes, one a lane; a lane that is done takes the next job. What a
+    // job finds does not depend on the others.
+    void (*minimise)(FitJob* const* jobs, int count, const SearchSettings& settings);
+    // The same against the mixtures; `scratch` holds 7 * kMaxLanes floats for each term of the largest. Lanes
+    // run through their terms together, so jobs of like term counts belong together.
     void (*minimiseMixtures)(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
     // Searches for two lobes, against nodes and against mixtures.
-    void (*minimisePairs)(PairJob* const* jobs, int count, const SearchSettings& settings, float* scratch);
+    void (*minimisePairs)(PairJob* const* jobs, int count, const SearchSettings& settings);
     void (*minimisePairMixtures)(PairJob* const* jobs, int count, const SearchSettings& settings,
                                  float* scratch);
     // <G, G> of a mixture.
@@ -107,9 +107,9 @@ struct Kernels {
     // The errors of lobes: what one evaluation of a search costs without its gradient, or less.
     void (*judge)(Trial* trials, int count);
     // <G, f> and <f, f> of one job at its unknowns, and the gradient of its error in the first five.
-    void (*evaluate)(const FitJob& job, float* overlap, float* norm, float* gradient, float* scratch);
+    void (*evaluate)(const FitJob& job, float* overlap, float* norm, float* gradient);
     // The error of two lobes at their unknowns against the nodes or the mixture, and its gradient in the
-    // first five of each.
+    // first five of each. Nodes need no scratch.
     float (*evaluatePair)(const PairJob& job, bool exact, float* gradient, float* scratch);
 };
 

@@ -135,19 +135,19 @@ struct PairObjective {
     using Result = PairResult;
     using Scaling = PairScaling;
     static constexpr int kMostUnknowns = 10;
-    const PairJob* jobs[W] = {}; // none where a lane idles
-    PairResult result{};         // of the last evaluation
+    LaneJobs<PairJob> jobs;
+    PairResult result{}; // of the last evaluation
 
-    explicit PairObjective(float*) {}
-    void take(int lane, const PairJob& job) { jobs[lane] = &job; }
-    void drop(int lane) { jobs[lane] = nullptr; }
+    void take(int lane, const PairJob& job) { jobs.take(lane, job); }
+    void drop(int lane) { jobs.drop(lane); }
     // Sums of area * G * f_i, and of area * f1 * f2 as f_i weighs them.
     LUMEL_INLINE void sum(const Lobe* lobes, Sums* average, Sums* cross) const
     {
         for (int lane = 0; lane < W; ++lane) {
-            if (!jobs[lane])
+            const PairJob* job = jobs.of[lane];
+            if (!job)
                 continue;
-            const NodeList& nodes = jobs[lane]->nodes;
+            const NodeList& nodes = job->nodes;
             const Lobe own1 = broadcast(lobes[0], lane), own2 = broadcast(lobes[1], lane);
             Sums average1{}, average2{}, cross1{}, cross2{};
             for (int k = 0; k < nodes.count; k += W) {
@@ -155,7 +155,7 @@ struct PairObjective {
                 const V weight = load(nodes.weight + k);
                 const PointTerms p1 = termsAt(locate(own1.frame, x, y, z), own1, 1.0f);
                 const PointTerms p2 = termsAt(locate(own2.frame, x, y, z), own2, 1.0f);
-                const V both = load(jobs[lane]->area + k) * p1.f * p2.f;
+                const V both = load(job->area + k) * p1.f * p2.f;
                 accumulate(average1, p1, weight);
                 accumulate(average2, p2, weight);
                 cross1.one += both;
@@ -174,7 +174,8 @@ struct PairObjective {
         const Lobe lobes[2] = {scaling.lobes[0].lobe(x), scaling.lobes[1].lobe(x + scaling.ofLobe())};
         Sums average[2]{}, cross[2]{};
         sum(lobes, average, cross);
-        const Overlap o[2] = {overlapOf(lobes[0], average[0]), overlapOf(lobes[1], average[1])};
+        const Overlap o[2] = {overlapOf(lobes[0], average[0], jobs.busy),
+                              overlapOf(lobes[1], average[1], jobs.busy)};
         const V g[2] = {o[0].gf, o[1].gf}, norm[2] = {o[0].ff, o[1].ff};
         const V between = squareRoot(lobes[0].det) * squareRoot(lobes[1].det) * cross[0].one;
         const V error = project(g, norm, between, scaling.energy, result);

@@ -18,16 +18,16 @@ constexpr float kGauss8[2][8] = {
      0.96028986f},
     {0.10122854f, 0.22238103f, 0.31370665f, 0.36268378f, 0.36268378f, 0.31370665f, 0.22238103f, 0.10122854f}};
 
-// Does the rim cut a visible part (1e-5) off some lane's lobe? At the rim f^2 has fallen to
+// Off which lanes' lobes does the rim cut a visible part (1e-5)? At the rim f^2 has fallen to
 // |N.xy|^(2 p), p the lobe's power there, which the smaller eigenvalue of P bounds from below.
-LUMEL_INLINE bool rimMatters(const Lobe& lobe)
+LUMEL_INLINE I rimMatters(const Lobe& lobe)
 {
     const V half = 0.5f * (lobe.pxx - lobe.pyy), mean = 0.5f * (lobe.pxx + lobe.pyy);
     const V lowest = mean - squareRoot(half * half + lobe.pxy * lobe.pxy);
     const V r2 = lobe.frame.nx * lobe.frame.nx + lobe.frame.ny * lobe.frame.ny;
     // ln(r^2) <= 4 (sqrt r - 1) <= 0.
     const V logR2 = 4.0f * (squareRoot(squareRoot(r2)) - 1.0f);
-    return any((lowest + 1.0f) * logR2 > -11.5f);
+    return (lowest + 1.0f) * logR2 > -11.5f;
 }
 
 // Sums over the lune of f^2 |h.z| / det P, with the same factors as sumNodes().

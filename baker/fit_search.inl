@@ -45,7 +45,7 @@ struct Search {
     I fresh{};  // lanes that need a new direction
     I first{};  // lanes that evaluate their start
 
-    Search(float* scratch, bool isotropic) : objective(scratch), n(isotropic ? N / 5 * 3 : N)
+    Search(const Objective& of, bool isotropic) : objective(of), n(isotropic ? N / 5 * 3 : N)
     {
         scaling.idle(isotropic);
     }
@@ -142,10 +142,11 @@ struct Search {
 
 // Feeds jobs to the lanes until all are done.
 template<class Objective>
-void runJobs(typename Objective::Job* const* jobs, int count, const SearchSettings& settings, float* scratch)
+void runJobs(typename Objective::Job* const* jobs, int count, const SearchSettings& settings,
+             const Objective& objective)
 {
     const FlushToZero flush;
-    Search<Objective> search(scratch, settings.isotropic);
+    Search<Objective> search(objective, settings.isotropic);
     int next = 0, running[W], evaluations[W];
     for (int lane = 0; lane < W; ++lane)
         running[lane] = -1;
@@ -178,25 +179,25 @@ void runJobs(typename Objective::Job* const* jobs, int count, const SearchSettin
     }
 }
 
-void minimise(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch)
+void minimise(FitJob* const* jobs, int count, const SearchSettings& settings)
 {
-    runJobs<ExactObjective>(jobs, count, settings, scratch);
+    runJobs(jobs, count, settings, ExactObjective());
 }
 
 void minimiseMixtures(FitJob* const* jobs, int count, const SearchSettings& settings, float* scratch)
 {
-    runJobs<MixtureObjective>(jobs, count, settings, scratch);
+    runJobs(jobs, count, settings, MixtureObjective(scratch));
 }
 
-void evaluate(const FitJob& job, float* overlap, float* norm, float* gradient, float*)
+void evaluate(const FitJob& job, float* overlap, float* norm, float* gradient)
 {
     const FlushToZero flush;
-    ExactObjective objective(nullptr);
+    ExactObjective objective;
     objective.take(0, job);
     const auto row = [&](int i) { return splat(job.unknowns[i]); };
     const Lobe lobe = makeLobe(splat(job.maxLog), row(kX), row(kY), row(kL1), row(kL2), row(kL3));
     const Sums sum = objective.sum(lobe);
-    const Overlap o = overlapOf(lobe, sum);
+    const Overlap o = overlapOf(lobe, sum, objective.jobs.busy);
     *overlap = o.gf[0];
     *norm = o.ff[0];
     if (!gradient)
@@ -207,18 +208,18 @@ void evaluate(const FitJob& job, float* overlap, float* norm, float* gradient, f
         gradient[i] = g[i][0];
 }
 
-void minimisePairs(PairJob* const* jobs, int count, const SearchSettings& settings, float* scratch)
+void minimisePairs(PairJob* const* jobs, int count, const SearchSettings& settings)
 {
-    runJobs<PairObjective>(jobs, count, settings, scratch);
+    runJobs(jobs, count, settings, PairObjective());
 }
 
 void minimisePairMixtures(PairJob* const* jobs, int count, const SearchSettings& settings, float* scratch)
 {
-    runJobs<PairMixtureObjective>(jobs, count, settings, scratch);
+    runJobs(jobs, count, settings, PairMixtureObjective(scratch));
 }
 
 template<class Objective>
-float evaluatePairWith(const PairJob& job, float* gradient, float* scratch)
+float evaluatePairWith(Objective objective, const PairJob& job, float* gradient)
 {
     const FlushToZero flush;
     PairScaling scaling{};
@@ -231,7 +232,6 @@ float evaluatePairWith(const PairJob& job, float* gradient, float* scratch)
     }
     for (int lane = 0; lane < W; ++lane)
         scaling.start(lane, unscaled, x);
-    Objective objective(scratch);
     objective.take(0, job);
     const V error = objective(scaling, x, g);
     for (int i = 0; i < 10; ++i)
@@ -241,6 +241,6 @@ float evaluatePairWith(const PairJob& job, float* gradient, float* scratch)
 
 float evaluatePair(const PairJob& job, bool exact, float* gradient, float* scratch)
 {
-    return exact ? evaluatePairWith<PairObjective>(job, gradient, scratch)
-                 : evaluatePairWith<PairMixtureObjective>(job, gradient, scratch);
+    return exact ? evaluatePairWith(PairObjective(), job, gradient)
+                 : evaluatePairWith(PairMixtureObjective(scratch), job, gradient);
 }

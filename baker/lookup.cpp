@@ -101,12 +101,11 @@ public:
         }
         FitJob job;
         job.nodes = {int(nodes_.size()), nodes_.x.data(), nodes_.y.data(), nodes_.z.data(), weight.data()};
-        std::vector<float> scratch((4 * nodes_.size() + 64) * kMaxLanes);
         double left = energy;
         for (const Blended& lobe : lobes) {
             toUnknowns(lobe.shape, job.maxLog, job.unknowns);
             float overlap = 0.0f, norm = 1.0f;
-            kernels().evaluate(job, &overlap, &norm, nullptr, scratch.data());
+            kernels().evaluate(job, &overlap, &norm, nullptr);
             left += lobe.ks * (lobe.ks * norm - 2.0 * overlap);
         }
         float cross = 0.0f;

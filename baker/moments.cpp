@@ -118,6 +118,15 @@ Shape isotropicShape(const Shape& shape)
     return {shape.nx, shape.ny, s, 0.0f, s};
 }
 
+bool isAlike(const Shape& a, const Shape& b)
+{
+    constexpr float kAlike = 1e-3f;
+    const float least = (a.sxx * a.syy - a.sxy * a.sxy) / (a.sxx + a.syy); // at most the smaller eigenvalue
+    const float dx = a.nx - b.nx, dy = a.ny - b.ny, most = kAlike * least;
+    return dx * dx + dy * dy <= kAlike * most && std::abs(a.sxx - b.sxx) <= most &&
+           std::abs(a.sxy - b.sxy) <= most && std::abs(a.syy - b.syy) <= most;
+}
+
 float scalarPower(const Shape& shape)
 {
     return 1.0f / std::sqrt(std::max(shape.sxx * shape.syy - shape.sxy * shape.sxy, 1e-8f));

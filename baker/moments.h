@@ -73,6 +73,9 @@ Shape leanShape(const Moments& mean);
 Shape isotropicShape(const Shape& shape); // same normal and sqrt(det S)
 Sym2 clampPowers(const Sym2& covariance); // eigenvalues of S^-1 into [kMinPower, kMaxPower]
 float scalarPower(const Shape& shape);    // sqrt(det P)
+// Do searches from both end in the same place? They differ by less than a thousandth of the lobe's least
+// width.
+bool isAlike(const Shape& a, const Shape& b);
 glm::dvec3 normalOf(const Shape& shape);
 // The vector average of Kd N, along a normal.
 glm::vec3 diffuseAlong(const glm::dvec3& normal, const Moments& mean);

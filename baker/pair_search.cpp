@@ -152,35 +152,51 @@ PairJob Solver::pairJobOf(const PairStart& start, Family family, Against against
     return job;
 }
 
+// As for one lobe; which of the two lobes is the first does not matter.
+size_t Solver::firstAlike(const std::vector<PairStart>& starts, size_t index)
+{
+    size_t first = index;
+    const Shape* const s = starts[index].shape;
+    for (size_t i = index; i-- > 0 && starts[i].texel == starts[index].texel;) {
+        const Shape* const o = starts[i].shape;
+        if ((isAlike(o[0], s[0]) && isAlike(o[1], s[1])) || (isAlike(o[0], s[1]) && isAlike(o[1], s[0])))
+            first = i;
+    }
+    return first;
+}
+
 // Searches of at most so many evaluations.
 void Solver::runPairs(const std::vector<PairStart>& starts, Family family, Against against, int evaluations,
                       std::vector<FoundPair>& found)
 {
     std::vector<PairJob> jobs;
     std::vector<PairJob*> onNodes, onMixtures;
-    jobs.reserve(starts.size());
-    size_t most = 1;
-    for (const PairStart& start : starts) {
-        PairJob& job = jobs.emplace_back(pairJobOf(start, family, against));
+    std::vector<size_t> same(starts.size());
+    jobs.resize(starts.size());
+    for (size_t i = 0; i < starts.size(); ++i) {
+        same[i] = firstAlike(starts, i);
+        if (same[i] != i)
+            continue;
+        PairJob& job = jobs[i] = pairJobOf(starts[i], family, against);
         const bool exact = against == Against::average && job.nodes.count > 0;
         (exact ? onNodes : onMixtures).push_back(&job);
-        most = std::max(most, size_t(exact ? job.nodes.count : job.mixtureCount));
     }
-    if (scratch_.size() < 7 * most * kMaxLanes)
-        scratch_.resize(7 * most * kMaxLanes);
-    // Similar sizes together, as in run().
-    std::ranges::stable_sort(onNodes, std::greater(), [](const PairJob* job) { return job->nodes.count; });
+    // As in run().
     std::ranges::stable_sort(onMixtures, std::greater(),
                              [](const PairJob* job) { return job->mixtureCount; });
+    if (!onMixtures.empty())
+        reserveScratch(onMixtures.front()->mixtureCount);
     SearchSettings settings;
     settings.isotropic = family == kIsotropic;
     settings.maxEvaluations = evaluations;
-    kernels_.minimisePairs(onNodes.data(), int(onNodes.size()), settings, scratch_.data());
+    kernels_.minimisePairs(onNodes.data(), int(onNodes.size()), settings);
     kernels_.minimisePairMixtures(onMixtures.data(), int(onMixtures.size()), settings, scratch_.data());
     found.resize(starts.size());
     std::vector<PairStart> clampedStarts;
     std::vector<size_t> clampedIndices;
     for (size_t i = 0; i < starts.size(); ++i) {
+        if (same[i] != i)
+            continue;
         const PairJob& job = jobs[i];
         FoundPair& f =
             found[i] = {{}, {job.ks[0], job.ks[1]}, {job.norm[0], job.norm[1]}, job.cross, job.error};
@@ -192,12 +208,14 @@ void Solver::runPairs(const std::vector<PairStart>& starts, Family family, Again
             clampedIndices.push_back(i);
         }
     }
-    if (clampedStarts.empty())
-        return;
-    std::vector<FoundPair> evaluated; // where the search left the limits of a lobe
-    runPairs(clampedStarts, family, against, 1, evaluated);
-    for (size_t i = 0; i < evaluated.size(); ++i)
-        found[clampedIndices[i]] = evaluated[i];
+    if (!clampedStarts.empty()) {
+        std::vector<FoundPair> evaluated; // where the search left the limits of a lobe
+        runPairs(clampedStarts, family, against, 1, evaluated);
+        for (size_t i = 0; i < evaluated.size(); ++i)
+            found[clampedIndices[i]] = evaluated[i];
+    }
+    for (size_t i = 0; i < starts.size(); ++i)
+        found[i] = found[same[i]];
 }
 
 Solver::FoundPair Solver::swapped(FoundPair p)

@@ -53,23 +53,38 @@ NodeSet makeDiscRule(int rings, int spokes)
 Stencil makeStencil(float radius)
 {
     Stencil stencil;
-    stencil.reach = int(radius);
-    for (int y = -stencil.reach; y <= stencil.reach; ++y) {
+    const int reach = int(radius);
+    for (int y = -reach; y <= reach; ++y) {
         const int half = int(std::sqrt(std::max(0.0f, radius * radius - float(y * y))));
         stencil.runs.push_back({y, -half, 2 * half + 1});
-        for (int x = -half; x <= half; ++x) {
-            stencil.x.push_back(float(x));
-            stencil.y.push_back(float(y));
-        }
     }
-    while (stencil.x.size() % kMaxLanes != 0) {
-        stencil.x.push_back(0.0f);
-        stencil.y.push_back(0.0f);
-    }
+    stencil.place();
     return stencil;
 }
 
 } // namespace
+
+void Stencil::place()
+{
+    lower = upper = glm::ivec2(0);
+    size_t count = 0;
+    for (const Run& run : runs) {
+        lower = glm::min(lower, glm::ivec2(run.x, run.y));
+        upper = glm::max(upper, glm::ivec2(run.x + run.count, run.y + 1));
+        count += size_t(run.count);
+    }
+    const size_t vectors = (count + kMaxLanes - 1) / kMaxLanes;
+    x.resize(vectors * kMaxLanes);
+    y.resize(vectors * kMaxLanes);
+    float *toX = x.data(), *toY = y.data();
+    for (const Run& run : runs)
+        for (int i = 0; i < run.count; ++i) {
+            *toX++ = float(run.x + i);
+            *toY++ = float(run.y);
+        }
+    std::fill(toX, x.data() + x.size(), 0.0f);
+    std::fill(toY, y.data() + y.size(), 0.0f);
+}
 
 const NodeSet& discRule(double power)
 {
@@ -83,7 +98,7 @@ const Stencil& stencilFor(float radius)
 {
     constexpr float kOff = 0.5f;        // spacings from a lobe's centre to the lattice point, typically 0.38
     constexpr float kStepsPerPoint = 2; // radii differ by half a spacing
-    constexpr int kCount = 64;
+    constexpr int kCount = int(kStepsPerPoint * kMostReach) - 1;
     static const std::array<Stencil, kCount> stencils = [] {
         std::array<Stencil, kCount> all;
         for (int i = 0; i < kCount; ++i)

@@ -52,10 +52,14 @@ struct Stencil {
         int y, x, count;
     };
     std::vector<Run> runs;
-    std::vector<float> x, y;
-    int reach = 0;
+    UninitialisedArray<float> x, y;
+    glm::ivec2 lower{0}, upper{0}; // the box of the runs, `upper` beyond it
+    void clear() { runs.clear(); }
+    // Coordinates and box of the runs.
+    void place();
 };
-const Stencil& stencilFor(float radius); // in spacings
+inline constexpr float kMostReach = 32.5f; // radius of the largest stencil
+const Stencil& stencilFor(float radius);   // in spacings
 
 inline glm::vec2 lambert(float nx, float ny, float nz)
 {

@@ -21,7 +21,6 @@ public:
                 addNode(grid.x()[k], grid.y()[k], grid.z()[k], grid.area()[k] * g[k]);
         while (weight_.size() % kMaxLanes != 0)
             addNode(0.0f, 0.0f, 1.0f, 0.0f);
-        scratch_.resize((4 * weight_.size() + 64) * kMaxLanes);
     }
 
     // The best point after `evaluations` from `start`. The search is deterministic, so growing numbers of
@@ -37,7 +36,7 @@ public:
         settings.isotropic = isotropic_;
         settings.maxEvaluations = evaluations;
         FitJob* jobs[] = {&job};
-        kernels().minimise(jobs, 1, settings, scratch_.data());
+        kernels().minimise(jobs, 1, settings);
         bool clamped = false;
         const Shape shape = fromUnknowns(job.unknowns, maxLog_, clamped);
         // The error with the best Ks is 1 - <G, f>^2 / (<G, G> <f, f>), that Ks <G, f> / <f, f>.
@@ -57,7 +56,7 @@ private:
     double energy_;
     bool isotropic_;
     float maxLog_;
-    std::vector<float> x_, y_, z_, weight_, scratch_;
+    std::vector<float> x_, y_, z_, weight_;
 };
 
 void tracePath(Tracer& tracer, const std::vector<PathStart>& starts, double fitError, Landscape& land)

@@ -57,6 +57,19 @@ bool widthsAreFarApart(const Shape& a, const Shape& b, float error)
 
 } // namespace
 
+// The first start of the same texel, up to `index`, from which a search ends where it ends from this one.
+size_t Solver::firstAlike(const std::vector<Start>& starts, size_t index, Family family)
+{
+    const auto shapeOf = [&](const Start& start) {
+        return family == kIsotropic ? isotropicShape(start.shape) : start.shape;
+    };
+    size_t first = index;
+    for (size_t i = index; i-- > 0 && starts[i].texel == starts[index].texel;)
+        if (isAlike(shapeOf(starts[i]), shapeOf(starts[index])))
+            first = i;
+    return first;
+}
+
 Solver::Selection Solver::above(const Selection& selection, Family family, float error) const
 {
     Selection rest;

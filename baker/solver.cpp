@@ -137,6 +137,13 @@ FitJob Solver::jobOf(const Start& start, Family family, Against against) const
     return job;
 }
 
+// For searches against mixtures of so many terms.
+void Solver::reserveScratch(int terms)
+{
+    constexpr size_t kPerTerm = 7 * kMaxLanes;
+    scratch_.resize(std::max(scratch_.size(), kPerTerm * size_t(terms)));
+}
+
 void Solver::run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found)
 {
     const StepTimer timer(options_.profile, against == Against::children ? Step::starts : Step::searches);
@@ -144,21 +151,22 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
     jobs_.resize(count);
     order_.clear();
     std::vector<FitJob*> mixtures;
-    size_t most = kMaxLanes;
+    std::vector<size_t> same(count);
     for (size_t i = 0; i < count; ++i) {
+        same[i] = firstAlike(starts, i, family);
+        if (same[i] != i)
+            continue;
         FitJob& job = jobs_[i] = jobOf(starts[i], family, against);
         const bool onNodes = against == Against::average && job.nodes.count > 0;
         (onNodes ? order_ : mixtures).push_back(&job);
-        most = std::max(most, size_t(std::max(onNodes ? job.nodes.count : 0, 2 * job.mixtureCount)));
     }
-    if (scratch_.size() < 4 * most * kMaxLanes)
-        scratch_.resize(4 * most * kMaxLanes);
-    // Similar sizes together: the lanes of a group process their nodes in lockstep.
-    std::ranges::stable_sort(order_, std::greater(), [](const FitJob* job) { return job->nodes.count; });
+    // Similar sizes together: the lanes of a group process their terms in lockstep.
     std::ranges::stable_sort(mixtures, std::greater(), [](const FitJob* job) { return job->mixtureCount; });
+    if (!mixtures.empty())
+        reserveScratch(mixtures.front()->mixtureCount);
     SearchSettings settings;
     settings.isotropic = family == kIsotropic;
-    kernels_.minimise(order_.data(), int(order_.size()), settings, scratch_.data());
+    kernels_.minimise(order_.data(), int(order_.size()), settings);
     if (against == Against::children)
         settings.maxEvaluations = 30;
     kernels_.minimiseMixtures(mixtures.data(), int(mixtures.size()), settings, scratch_.data());
@@ -166,6 +174,8 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
     std::vector<Start> clampedStarts;
     std::vector<size_t> clampedIndices;
     for (size_t i = 0; i < count; ++i) {
+        if (same[i] != i)
+            continue;
         found[i] = {starts[i].shape, jobs_[i].error, jobs_[i].norm};
         bool clamped = false;
         found[i].shape = fromUnknowns(jobs_[i].unknowns, jobs_[i].maxLog, clamped);
@@ -174,12 +184,14 @@ void Solver::run(const std::vector<Start>& starts, Family family, Against agains
             clampedIndices.push_back(i);
         }
     }
-    if (clampedStarts.empty())
-        return;
-    std::vector<Found> evaluated;
-    judge(clampedStarts, evaluated);
-    for (size_t i = 0; i < evaluated.size(); ++i)
-        found[clampedIndices[i]] = evaluated[i];
+    if (!clampedStarts.empty()) {
+        std::vector<Found> evaluated;
+        judge(clampedStarts, evaluated);
+        for (size_t i = 0; i < evaluated.size(); ++i)
+            found[clampedIndices[i]] = evaluated[i];
+    }
+    for (size_t i = 0; i < count; ++i)
+        found[i] = found[same[i]];
 }
 
 // On nodes by a kernel of its own; against lists by a search that ends where it starts.
@@ -206,8 +218,7 @@ void Solver::judge(const std::vector<Start>& starts, std::vector<Found>& found)
     order_.clear();
     for (FitJob& job : jobs)
         order_.push_back(&job);
-    if (scratch_.size() < 8 * most * kMaxLanes)
-        scratch_.resize(8 * most * kMaxLanes);
+    reserveScratch(int(most));
     SearchSettings once;
     once.isotropic = false;
     once.maxEvaluations = 1;

@@ -90,6 +90,8 @@ private:
     };
     enum class Against { children, average };
     FitJob jobOf(const Start& start, Family family, Against against) const;
+    static size_t firstAlike(const std::vector<Start>& starts, size_t index, Family family);
+    void reserveScratch(int terms);
     void run(const std::vector<Start>& starts, Family family, Against against, std::vector<Found>& found);
     // The lobes without a search.
     void judge(const std::vector<Start>& starts, std::vector<Found>& found);
@@ -118,6 +120,7 @@ private:
         uint32_t texel;
         Shape shape[2];
     };
+    static size_t firstAlike(const std::vector<PairStart>& starts, size_t index);
     PairJob pairJobOf(const PairStart& start, Family family, Against against) const;
     void runPairs(const std::vector<PairStart>& starts, Family family, Against against, int evaluations,
                   std::vector<FoundPair>& found);

@@ -178,7 +178,7 @@ private:
         settings.isotropic = false;
         settings.maxEvaluations = 200;
         settings.tolerance = 1e-4f;
-        baker::kernels().minimisePairs(order.data(), starts, settings, nullptr);
+        baker::kernels().minimisePairs(order.data(), starts, settings);
         float best = 1.0f;
         for (const baker::PairJob& one : jobs)
             best = std::min(best, one.error);

@@ -197,6 +197,34 @@ TEST(Bake, ThreadsAndRepetitionChangeNothing)
         EXPECT_EQ(a.levels[l].texels, b.levels[l].texels) << "level " << l;
 }
 
+// Two copies of a map, one below the other, are baked in other batches than one. Broad lobes, tilted ones
+// reach the rim; those of one power are summed on nodes, those of many kept as lists first.
+TEST(Bake, TexelsDoNotDependOnTheBatchTheyAreIn)
+{
+    const auto twice = [](const Image& image) {
+        Image tall(image.width, 2 * image.height, image.channels);
+        for (size_t i = 0; i < tall.pixels.size(); ++i)
+            tall.pixels[i] = image.pixels[i % image.pixels.size()];
+        return tall;
+    };
+    for (const bool varying : {false, true}) {
+        Maps one = normalMaps(noiseNormals(64, 64, 0.4f, 4), 12.0f);
+        if (varying)
+            one.roughness = noiseNormals(64, 64, 1.0f, 5);
+        Maps two = one;
+        two.normal = twice(one.normal);
+        two.roughness = varying ? twice(one.roughness) : Image();
+        const ReflectanceMips a = bake(one, {}), b = bake(two, {});
+        for (size_t l = 0; l < a.levels.size(); ++l)
+            for (const bool second : {false, true}) {
+                std::vector<float> texels = second ? a.levels[l].second : a.levels[l].texels;
+                texels.insert(texels.end(), texels.begin(), texels.end());
+                EXPECT_EQ(texels, second ? b.levels[l].second : b.levels[l].texels)
+                    << "level " << l << (varying ? ", varying gloss" : "");
+            }
+    }
+}
+
 // Real bakes as the first half of a larger job report exactly half of its progress.
 TEST(Bake, ProgressReachesItsTotal)
 {

@@ -1,72 +1,17 @@
 // The inner loops: gradients, agreement of the instruction sets, and the closed form of <f, f>.
-#include "baker/fit_kernel.h"
 #include "oracle.h"
+#include "problem.h"
 #include <memory>
-#include <random>
 
 namespace lumel::baker {
 namespace {
 
-// A search: four Gaussian bumps near each other as the mixture, and their sum on a lattice of nodes.
-struct Problem {
-    static constexpr int kNodes = 256;
-    std::vector<float> x, y, z, weight;
-    std::vector<MixtureTerm> terms;
-    FitJob job;
-
-    explicit Problem(unsigned seed, int side = 16)
-    {
-        std::mt19937 random(seed);
-        std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
-        const float mx = 0.3f * uniform(random), my = 0.3f * uniform(random);
-        for (int i = 0; i < 4; ++i) {
-            const float nx = mx + 0.1f * uniform(random), ny = my + 0.1f * uniform(random);
-            terms.push_back({nx, ny, std::sqrt(1.0f - nx * nx - ny * ny), 0.03f, 0.01f * uniform(random),
-                             0.02f, 0.2f * (1.2f + uniform(random))});
-        }
-        const float step = 0.9f / float(side);
-        double energy = 0.0;
-        for (int k = 0; k < side * side; ++k) {
-            x.push_back(mx + (float(k % side) + 0.5f) * step - 0.45f);
-            y.push_back(my + (float(k / side) + 0.5f) * step - 0.45f);
-            z.push_back(std::sqrt(1.0f - x.back() * x.back() - y.back() * y.back()));
-            float g = 0.0f;
-            for (const MixtureTerm& t : terms) {
-                const float dx = x.back() - t.nx, dy = y.back() - t.ny;
-                const float q = t.syy * dx * dx - 2.0f * t.sxy * dx * dy + t.sxx * dy * dy;
-                const float det = t.sxx * t.syy - t.sxy * t.sxy;
-                g += t.amplitude * std::exp(-0.5f * q / det) / std::sqrt(det);
-            }
-            weight.push_back(step * step * g);
-            energy += double(weight.back()) * g;
-        }
-        job.nodes = {side * side, x.data(), y.data(), z.data(), weight.data()};
-        job.mixture = terms.data();
-        job.mixtureCount = int(terms.size());
-        job.energy = float(energy);
-        job.maxLog = 4.0f;
-        const float start[kUnknowns] = {mx + 0.03f,
-                                        my - 0.02f,
-                                        1.6f + 0.3f * uniform(random),
-                                        1.8f + 0.3f * uniform(random),
-                                        0.5f * uniform(random),
-                                        0.1f,
-                                        0.01f,
-                                        0.12f};
-        std::copy(start, start + kUnknowns, job.unknowns);
-    }
-    Problem(const Problem&) = delete;
-};
-
-std::vector<float> scratch()
-{
-    return std::vector<float>(size_t(Problem::kNodes) * 8 * kMaxLanes);
-}
+using namespace test;
 
 double errorOf(const Problem& p, float* gradient = nullptr)
 {
     float overlap = 0.0f, norm = 0.0f;
-    kernels().evaluate(p.job, &overlap, &norm, gradient, scratch().data());
+    kernels().evaluate(p.job, &overlap, &norm, gradient);
     return 1.0 - double(overlap) * overlap / (double(p.job.energy) * norm);
 }
 
@@ -81,40 +26,6 @@ double mixtureErrorAt(Problem& p, const float* unknowns)
     return p.job.error;
 }
 
-// Two lobes against a problem's average: one at its start, one to its other side.
-PairJob pairJobOf(const Problem& p, const std::vector<float>& area)
-{
-    PairJob job;
-    job.nodes = p.job.nodes;
-    job.area = area.data();
-    job.mixture = p.job.mixture;
-    job.mixtureCount = p.job.mixtureCount;
-    job.energy = p.job.energy;
-    job.maxLog = p.job.maxLog;
-    for (int i = 0; i < 2; ++i)
-        std::copy(p.job.unknowns, p.job.unknowns + kUnknowns, job.unknowns[i]);
-    job.unknowns[1][kX] -= 0.12f;
-    job.unknowns[1][kY] += 0.06f;
-    job.unknowns[1][kL1] += 0.3f;
-    job.unknowns[1][kL3] -= 0.2f;
-    return job;
-}
-
-std::vector<float> areaOf(const Problem& p)
-{
-    const float side = std::sqrt(float(p.job.nodes.count));
-    return std::vector<float>(size_t(p.job.nodes.count), 0.9f * 0.9f / (side * side));
-}
-
-std::vector<const Kernels*> instructionSets()
-{
-    std::vector<const Kernels*> sets = {&kBaselineKernels, &kernels()};
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-        sets.push_back(&kAvx2Kernels);
-#endif
-    return sets;
-}
 } // namespace
 
 TEST(Kernel, GradientMatchesFiniteDifferences)
@@ -145,7 +56,7 @@ TEST(Kernel, SearchesEndWhereTheGradientVanishes)
         SearchSettings settings;
         settings.isotropic = false;
         FitJob* job = &p.job;
-        kernels().minimise(&job, 1, settings, scratch().data());
+        kernels().minimise(&job, 1, settings);
         EXPECT_LE(p.job.error, before + 1e-6);
         float gradient[5];
         EXPECT_NEAR(errorOf(p, gradient), p.job.error, 1e-5);
@@ -198,11 +109,16 @@ TEST(Kernel, AllInstructionSetsAgreeOnAQueueOfJobs)
                 settings.isotropic = isotropic;
                 std::vector<float> memory = scratch();
                 std::fill(memory.begin(), memory.end(), std::nanf("")); // previous contents must not matter
-                const auto search = [&](const Kernels& k) { return exact ? k.minimise : k.minimiseMixtures; };
-                search (*set)(jobs.data(), kJobs, settings, memory.data());
+                const auto search = [&](const Kernels& k, FitJob* const* list, int count) {
+                    if (exact)
+                        k.minimise(list, count, settings);
+                    else
+                        k.minimiseMixtures(list, count, settings, memory.data());
+                };
+                search(*set, jobs.data(), kJobs);
                 for (unsigned seed = 0; seed < kJobs; ++seed) {
                     FitJob* job = &alone[seed]->job;
-                    search(kScalarKernels)(&job, 1, settings, memory.data());
+                    search(kScalarKernels, &job, 1);
                     EXPECT_NEAR(jobs[seed]->error, job->error, 2e-4) << set->name << " job " << seed;
                 }
             }
@@ -237,20 +153,19 @@ TEST(Kernel, GradientOfTwoLobesMatchesFiniteDifferences)
 
 TEST(Kernel, SearchesForTwoLobesEndInAMinimum)
 {
-    std::vector<float> memory = scratch();
     for (const bool isotropic : {false, true})
         for (unsigned seed = 1; seed <= 20; ++seed) {
             const Problem p(seed);
             const std::vector<float> area = areaOf(p);
             PairJob job = pairJobOf(p, area);
             float gradient[10];
-            const double before = kernels().evaluatePair(job, true, gradient, memory.data());
+            const double before = kernels().evaluatePair(job, true, gradient, nullptr);
             SearchSettings settings;
             settings.isotropic = isotropic;
             settings.maxEvaluations = 150;
             PairJob* one = &job;
-            kernels().minimisePairs(&one, 1, settings, memory.data());
-            EXPECT_NEAR(kernels().evaluatePair(job, true, gradient, memory.data()), job.error, 1e-5);
+            kernels().minimisePairs(&one, 1, settings);
+            EXPECT_NEAR(kernels().evaluatePair(job, true, gradient, nullptr), job.error, 1e-5);
             EXPECT_GE(std::min(job.ks[0], job.ks[1]), 0.0f);
             if (isotropic)
                 continue;
@@ -284,14 +199,17 @@ TEST(Kernel, AllInstructionSetsAgreeOnPairs)
             SearchSettings settings;
             settings.isotropic = false;
             std::fill(memory.begin(), memory.end(), std::nanf("")); // previous contents must not matter
-            const auto search = [&](const Kernels& k) {
-                return exact ? k.minimisePairs : k.minimisePairMixtures;
+            const auto search = [&](const Kernels& k, PairJob* const* list, int count) {
+                if (exact)
+                    k.minimisePairs(list, count, settings);
+                else
+                    k.minimisePairMixtures(list, count, settings, memory.data());
             };
-            search (*set)(jobs.data(), kJobs, settings, memory.data());
+            search(*set, jobs.data(), kJobs);
             double difference = 0.0;
             for (unsigned seed = 0; seed < kJobs; ++seed) {
                 PairJob* job = &alone[seed];
-                search(kScalarKernels)(&job, 1, settings, memory.data());
+                search(kScalarKernels, &job, 1);
                 difference += std::abs(double(queue[seed].error) - job->error) / kJobs;
             }
             EXPECT_LT(difference, 2e-4) << set->name; // rounding may take a search to another minimum
@@ -331,7 +249,7 @@ TEST(Kernel, ClosedFormOfTheNormMatchesTheIntegral)
         const float values[] = {nx, ny, l1, l2, l3};
         std::copy(values, values + 5, p.job.unknowns);
         float overlap = 0.0f, norm = 0.0f;
-        kernels().evaluate(p.job, &overlap, &norm, nullptr, scratch().data());
+        kernels().evaluate(p.job, &overlap, &norm, nullptr);
         const double e1 = std::exp(l1), e2 = std::exp(l2), shear = l3 * e2;
         const double xx = kBase + e1 * e1, xy = e1 * shear, yy = kBase + e2 * e2 + shear * shear,
                      det = xx * yy - xy * xy;

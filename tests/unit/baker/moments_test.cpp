@@ -139,4 +139,16 @@ TEST(LobeMoments, HoldTwoTexelsBetterThanMeansDo)
     RecordProperty("flanks, moments", std::to_string(flank.moments));
     EXPECT_LT(flank.moments, 0.6 * flank.mean);
 }
+TEST(LobeMoments, ShapesAreAlikeWithinAThousandthOfTheirLeastWidth)
+{
+    const Shape brushed{0.1f, 0.2f, 1e-1f, 0.0f, 1e-4f}; // deviations 0.3 and 0.01
+    EXPECT_TRUE(isAlike(brushed, brushed));
+    Shape near = brushed, moved = brushed, wider = brushed;
+    near.ny += 5e-6f;
+    moved.nx += 1e-4f;
+    wider.syy *= 1.01f;
+    EXPECT_TRUE(isAlike(near, brushed));
+    EXPECT_FALSE(isAlike(moved, brushed));
+    EXPECT_FALSE(isAlike(wider, brushed));
+}
 } // namespace lumel::baker

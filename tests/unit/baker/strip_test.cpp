@@ -1,0 +1,80 @@
+// The lattice points of long lobes.
+#include "baker/fit_kernel.h"
+#include "baker/strip.h"
+#include <set>
+
+namespace lumel::baker {
+namespace {
+
+// A lobe of these powers, its long axis under an angle in the frame of its normal.
+Lobes lobeOf(float nx, float ny, float low, float high, float angle)
+{
+    Lobes lobes;
+    lobes.resize(1);
+    const float c = std::cos(angle), s = std::sin(angle);
+    lobes.nx[0] = nx;
+    lobes.ny[0] = ny;
+    lobes.nz[0] = std::sqrt(1.0f - nx * nx - ny * ny);
+    lobes.sxx[0] = c * c / low + s * s / high;
+    lobes.sxy[0] = c * s * (1.0f / low - 1.0f / high);
+    lobes.syy[0] = s * s / low + c * c / high;
+    return lobes;
+}
+
+// Its value at lattice points.
+std::vector<float> valuesAt(const Lobes& l, const Stencil& stencil, glm::vec2 centre, float spacing)
+{
+    const float det = l.sxx[0] * l.syy[0] - l.sxy[0] * l.sxy[0];
+    const LobeTerm lobe{l.nx[0], l.ny[0], l.nz[0], l.syy[0] / det, -l.sxy[0] / det, l.sxx[0] / det, 1.0f};
+    std::vector<float> values(stencil.x.size());
+    kernels().shapeOnLattice(lobe, false, stencil.x.data(), stencil.y.data(), int(values.size()), centre.x,
+                             centre.y, spacing, values.data());
+    return values;
+}
+
+std::set<std::pair<int, int>> pointsOf(const Stencil& stencil)
+{
+    std::set<std::pair<int, int>> points;
+    for (const Stencil::Run& run : stencil.runs)
+        for (int i = 0; i < run.count; ++i)
+            points.insert({run.y, run.x + i});
+    return points;
+}
+
+} // namespace
+
+TEST(Strip, HoldsTheLobeDownToTheCutOffAndLittleElse)
+{
+    const float least = std::exp(-0.5f * kMargin * kMargin);
+    for (const float tilt : {0.0f, 0.3f, 0.7f, 0.9f})
+        for (const float low : {1.0f, 20.0f, 200.0f})
+            for (int turn = 0; turn < 16; ++turn) {
+                const float high = 6000.0f, angle = 0.2f * float(turn), spacing = 1.0f / std::sqrt(high);
+                const Lobes l =
+                    lobeOf(tilt * std::cos(1.7f * angle), tilt * std::sin(1.7f * angle), low, high, angle);
+                const glm::vec2 at = lambert(l.nx[0], l.ny[0], l.nz[0]) / spacing;
+                const glm::vec2 centre(std::nearbyint(at.x), std::nearbyint(at.y));
+                Stencil strip;
+                Strip(l, 0).fill(spacing, centre, false, strip);
+                const auto inStrip = pointsOf(strip);
+                Stencil around; // as far as strips reach
+                for (int y = -36; y <= 36; ++y)
+                    around.runs.push_back({y, -36, 73});
+                around.place();
+                const std::vector<float> values = valuesAt(l, around, centre, spacing);
+                size_t k = 0, visible = 0, missed = 0;
+                for (const Stencil::Run& run : around.runs)
+                    for (int i = 0; i < run.count; ++i, ++k) {
+                        const bool isVisible =
+                            values[k] > least && run.y * run.y + (run.x + i) * (run.x + i) < 36 * 36;
+                        visible += isVisible;
+                        missed += isVisible && !inStrip.contains({run.y, run.x + i});
+                    }
+                EXPECT_EQ(missed, 0u)
+                    << "of " << visible << ", tilt " << tilt << ", power " << low << ", turn " << turn;
+                EXPECT_LT(inStrip.size(), 2 * visible + 128)
+                    << "tilt " << tilt << ", power " << low << ", turn " << turn;
+            }
+}
+
+} // namespace lumel::baker
