@@ -74,7 +74,7 @@ TEST(Limits, EachThatIsTooSmallIsNamed)
         {"maxComputeWorkGroupSize[0] 63", [](auto& l) { l.core.maxComputeWorkGroupSize[0] = 63; }},
         {"maxComputeSharedMemorySize 16", [](auto& l) { l.core.maxComputeSharedMemorySize = 16; }},
         {"maxPushConstantsSize 64", [](auto& l) { l.core.maxPushConstantsSize = 64; }},
-        {"maxBoundDescriptorSets 2, 3 needed", [](auto& l) { l.core.maxBoundDescriptorSets = 2; }},
+        {"maxBoundDescriptorSets 2, 4 needed", [](auto& l) { l.core.maxBoundDescriptorSets = 2; }},
         {"maxPerStageDescriptorSampledImages 4",
          [](auto& l) { l.core.maxPerStageDescriptorSampledImages = 4; }},
         {"maxPerStageDescriptorSamplers 4", [](auto& l) { l.core.maxPerStageDescriptorSamplers = 4; }},
