@@ -85,6 +85,7 @@ void Averager::average(const Lobes& lobes, const std::vector<Member>& members, c
             patch.nodes.spacing *= std::sqrt(float(points) / float(kMaxNodes));
     }
     place(patch, false);
+    patch.sublattice = shared ? Sublattice{} : chooseSublattice(patch.nodes.spacing);
     sumOnLattice(lobes, members, black, patch);
 }
 
@@ -151,6 +152,17 @@ void Averager::place(Patch& patch, bool boxOnly)
     patch.y0 = int(lower.y);
     patch.width = int(upper.x) - patch.x0;
     patch.height = int(upper.y) - patch.y0;
+}
+
+// Where all lobes are long and lie alike, fewer nodes will do.
+Sublattice Averager::chooseSublattice(float spacing)
+{
+    if (longLobes_.size() < places_.size())
+        return {};
+    covariances_.clear();
+    for (const Strip& strip : longLobes_)
+        covariances_.push_back(strip.covariance(spacing));
+    return sublatticeFor(covariances_);
 }
 
 // Each lobe at the lattice points of its support only.

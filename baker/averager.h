@@ -37,6 +37,7 @@ private:
     LobeTerm term(const Lobes& lobes, const Member& member, bool black, float* amplitudes) const;
     void measure(const Lobes& lobes, const std::vector<Member>& members, float spacing);
     void place(Patch& patch, bool boxOnly);
+    Sublattice chooseSublattice(float spacing);
     void sumOnLattice(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch);
     void sumOnRule(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch);
 
@@ -55,6 +56,7 @@ private:
     std::vector<Place> places_;
     std::vector<Strip> longLobes_;
     std::vector<Stencil> strips_; // of those
+    std::vector<LatticeCovariance> covariances_;
 };
 
 } // namespace lumel::baker

@@ -30,6 +30,7 @@ float largestOf(const float* sums, size_t count)
 void Patch::reset(const Nodes& newNodes, glm::ivec2 from, glm::ivec2 to, int channels)
 {
     nodes = newNodes;
+    sublattice = {};
     if (nodes.rule) {
         from = {0, 0};
         to = {int(nodes.rule->size()), 1};
@@ -103,6 +104,8 @@ size_t Patch::appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, flo
                           int channels) const
 {
     const float least = kNegligible * peak;
+    if (sublattice.step > 1)
+        return appendSublattice(to, sums, end, least, block, channels);
     if (channels == 1) { // most maps: one test per point
         float *x = to.x.data(), *y = to.y.data(), *area = to.area.data(), *sum = sums[0].data();
         for (int j = block.y0; j < block.y1; ++j) {
@@ -131,6 +134,27 @@ size_t Patch::appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, flo
             end += largest > least; // kept, or overwritten by the next
         }
     }
+    return end;
+}
+
+// The same for those of the sublattice, which stand for `step` points each.
+size_t Patch::appendSublattice(NodeSet& to, std::vector<float>* sums, size_t end, float least,
+                               const Block& block, int channels) const
+{
+    for (int j = block.y0; j < block.y1; ++j)
+        for (int i = block.x0; i < block.x1; ++i) {
+            if (!sublattice.has(x0 + i, y0 + j))
+                continue;
+            to.x[end] = float(x0 + i);
+            to.y[end] = float(y0 + j);
+            to.area[end] = float(sublattice.step);
+            float largest = 0.0f;
+            for (int c = 0; c < channels; ++c) {
+                sums[c][end] = g[size_t(c) * size() + size_t(j) * size_t(width) + size_t(i)];
+                largest = std::max(largest, sums[c][end]);
+            }
+            end += largest > least;
+        }
     return end;
 }
 

@@ -9,6 +9,7 @@ namespace lumel::baker {
 // Area-weighted sum of lobes at quadrature nodes: a rectangle of a lattice, or the whole rule.
 struct Patch {
     Nodes nodes;
+    Sublattice sublattice;                     // where nodes are to be
     int x0 = 0, y0 = 0, width = 0, height = 0; // lattice points; the rule is one row
     std::vector<float> g;                      // [channel][height][width]
 
@@ -26,6 +27,8 @@ private:
     };
     size_t appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, float peak, const Block& block,
                        int channels) const;
+    size_t appendSublattice(NodeSet& to, std::vector<float>* sums, size_t end, float least,
+                            const Block& block, int channels) const;
     size_t appendMerged(NodeSet& to, std::vector<float>* sums, size_t end, float peak, int channels) const;
 };
 

@@ -62,7 +62,35 @@ Stencil makeStencil(float radius)
     return stencil;
 }
 
+// Is the rule as good for a lobe of covariance S? It errs by exp(-pi^2 w^T S w) for the points w != 0 of the
+// dual lattice: those of Z^2 and k (x, y) / step beside them. None of the latter may be worse than the best
+// of the former.
+bool resolves(const Sublattice& sub, const LatticeCovariance& s)
+{
+    const float enough = std::min(1.0f, s.least);
+    for (int k = 1; k < sub.step; ++k)
+        for (int j = -1; j <= 0; ++j)
+            for (int i = -1; i <= 0; ++i) {
+                const float x = float(k * sub.x % sub.step) / float(sub.step) + float(i);
+                const float y = float(k * sub.y % sub.step) / float(sub.step) + float(j);
+                if (s.xx * x * x + 2.0f * s.xy * x * y + s.yy * y * y < enough)
+                    return false;
+            }
+    return true;
+}
+
 } // namespace
+
+Sublattice sublatticeFor(const std::vector<LatticeCovariance>& lobes)
+{
+    // All of step 4, by rows, columns, diagonals and knight's moves, then those of step 2.
+    static constexpr std::array<Sublattice, 9> kSublattices = {
+        {{4, 1, 0}, {4, 0, 1}, {4, 1, 1}, {4, 1, 3}, {4, 1, 2}, {4, 2, 1}, {2, 1, 0}, {2, 0, 1}, {2, 1, 1}}};
+    for (const Sublattice& sub : kSublattices)
+        if (std::ranges::all_of(lobes, [&](const LatticeCovariance& s) { return resolves(sub, s); }))
+            return sub;
+    return {};
+}
 
 void Stencil::place()
 {

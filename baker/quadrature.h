@@ -32,6 +32,21 @@ struct Nodes {
     bool operator==(const Nodes&) const = default;
 };
 
+// The points of a lattice with (x i + y j) mod step = 0, one in `step`, which divides kMaxStep.
+struct Sublattice {
+    static constexpr int kMaxStep = 4;
+    int step = 1, x = 0, y = 0;
+    bool has(int i, int j) const { return ((x * i + y * j) & (step - 1)) == 0; }
+};
+
+// Covariance of a lobe in Lambert's map, in spacings.
+struct LatticeCovariance {
+    float xx, xy, yy;
+    float least; // the smaller eigenvalue
+};
+// The coarsest that sums all these lobes as well as the whole lattice.
+Sublattice sublatticeFor(const std::vector<LatticeCovariance>& lobes);
+
 // Spacing in standard deviations of a lobe. Products of two equal lobes have a Fourier transform
 // exp(-(w sigma)^2 / 4): the rule's error is 4 exp(-pi^2) = 2e-4 of them.
 inline constexpr double kSpacing = 1.0;

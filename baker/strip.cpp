@@ -51,7 +51,8 @@ Strip::Strip(const Lobes& lobes, size_t m) : normal(lobes.nx[m], lobes.ny[m], lo
 {
     const float xx = lobes.sxx[m], xy = lobes.sxy[m], yy = lobes.syy[m];
     const float mean = 0.5f * (xx + yy), half = 0.5f * (xx - yy), radius = std::sqrt(half * half + xy * xy);
-    const float most = mean + radius, least = (xx * yy - xy * xy) / most;
+    most = mean + radius;
+    least = (xx * yy - xy * xy) / most;
     const float angle = 0.5f * std::atan2(xy, half), c = std::cos(angle), s = std::sin(angle);
     const float r = std::sqrt(std::max(1e-4f, 1.0f - normal.x * normal.x));
     const glm::vec3 u = (glm::vec3(1.0f, 0.0f, 0.0f) - normal * normal.x) / r;
@@ -60,6 +61,23 @@ Strip::Strip(const Lobes& lobes, size_t m) : normal(lobes.nx[m], lobes.ny[m], lo
     across = c * v - s * u;
     length = std::asin(std::min(1.0f, kMargin * std::sqrt(most)));
     width = std::asin(std::min(1.0f, kMargin * std::sqrt(least)));
+}
+
+// At the normal. The length counts as less than it is: along a great circle the direction in the map changes,
+// and fits need not lie as the lobes do.
+LatticeCovariance Strip::covariance(float spacing) const
+{
+    constexpr float kShare = 0.25f, kMostRatio = 4.0f;
+    const float scale = std::sqrt(2.0f / (1.0f + normal.z));
+    const auto onMap = [&](const glm::vec3& step) {
+        return scale * (glm::vec2(step) - glm::vec2(normal) * (0.5f * step.z / (1.0f + normal.z)));
+    };
+    const float across2 = least / (spacing * spacing);
+    const float along2 =
+        std::min(kShare * kShare * most / (spacing * spacing), kMostRatio * kMostRatio * across2);
+    const glm::vec2 u = onMap(along), v = onMap(across);
+    return {along2 * u.x * u.x + across2 * v.x * v.x, along2 * u.x * u.y + across2 * v.x * v.y,
+            along2 * u.y * u.y + across2 * v.y * v.y, across2};
 }
 
 // At an angle from the normal.

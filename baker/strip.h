@@ -11,8 +11,10 @@ namespace lumel::baker {
 struct Strip {
     glm::vec3 normal, along, across;
     float length, width; // half axes in radians
+    float most, least;   // variances along and across
 
     Strip(const Lobes& lobes, size_t index);
+    LatticeCovariance covariance(float spacing) const;
     // Runs of lattice points, counted from the point `centre`; or only about their box.
     void fill(float spacing, glm::vec2 centre, bool boxOnly, Stencil& stencil) const;
 

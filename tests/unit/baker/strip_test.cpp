@@ -77,4 +77,38 @@ TEST(Strip, HoldsTheLobeDownToTheCutOffAndLittleElse)
             }
 }
 
+// Squares of lobes, which vary the fastest, summed on the sublattice and on the whole.
+TEST(Strip, OnASublatticeSumsAreTheSame)
+{
+    int coarser = 0, count = 0;
+    for (const float tilt : {0.0f, 0.3f, 0.7f})
+        for (int turn = 0; turn < 16; ++turn, ++count) {
+            const float high = 6000.0f, angle = 0.2f * float(turn), spacing = 1.0f / std::sqrt(high);
+            const Lobes l =
+                lobeOf(tilt * std::cos(1.7f * angle), tilt * std::sin(1.7f * angle), 50.0f, high, angle);
+            const glm::vec2 centre = glm::round(lambert(l.nx[0], l.ny[0], l.nz[0]) / spacing);
+            const Strip strip(l, 0);
+            const Sublattice sub = sublatticeFor({strip.covariance(spacing)});
+            coarser += sub.step > 1;
+            Stencil stencil;
+            strip.fill(spacing, centre, false, stencil);
+            const std::vector<float> values = valuesAt(l, stencil, centre, spacing);
+            double whole = 0.0, part = 0.0;
+            const size_t points = pointsOf(stencil).size(); // without what pads them
+            for (size_t k = 0; k < points; ++k) {
+                const double square = double(values[k]) * double(values[k]);
+                whole += square;
+                if (sub.has(int(stencil.x[k]), int(stencil.y[k])))
+                    part += sub.step * square;
+            }
+            EXPECT_NEAR(part / whole, 1.0, 2e-3) << "tilt " << tilt << ", turn " << turn;
+        }
+    EXPECT_GT(2 * coarser, count);
+}
+
+TEST(Strip, RoundLobesNeedTheWholeLattice)
+{
+    EXPECT_EQ(sublatticeFor({{1.0f, 0.0f, 1.0f, 1.0f}}).step, 1);
+}
+
 } // namespace lumel::baker
