@@ -103,11 +103,11 @@ vk::raii::DescriptorSet makeSet(const Device& device, const SetLayout& layout)
     return makeSet(device, device.descriptorPool(), layout);
 }
 
-vk::raii::DescriptorPool makeSamplerPool(const Device& device, size_t sets, size_t samplersASet)
+vk::raii::DescriptorPool makePool(const Device& device, vk::DescriptorType type, size_t sets,
+                                  size_t descriptorsASet)
 {
     const size_t count = std::max<size_t>(sets, 1);
-    const vk::DescriptorPoolSize size{vk::DescriptorType::eCombinedImageSampler,
-                                      uint32_t(count * samplersASet)};
+    const vk::DescriptorPoolSize size{type, uint32_t(count * descriptorsASet)};
     return {device.handle(),
             vk::DescriptorPoolCreateInfo{.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
                                          .maxSets = uint32_t(count)}

@@ -18,7 +18,8 @@ using SetLayout = vk::raii::DescriptorSetLayout;
 SetLayout makeSetLayout(const Device& device, const std::vector<vk::DescriptorType>& bindings);
 vk::raii::DescriptorSet makeSet(const Device& device, const SetLayout& layout);
 // The same from a pool of one's own: pools serve one thread at a time, the device's the one that renders.
-vk::raii::DescriptorPool makeSamplerPool(const Device& device, size_t sets, size_t samplersASet);
+vk::raii::DescriptorPool makePool(const Device& device, vk::DescriptorType type, size_t sets,
+                                  size_t descriptorsASet);
 vk::raii::DescriptorSet makeSet(const Device& device, const vk::raii::DescriptorPool& pool,
                                 const SetLayout& layout);
 void writeSampled(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::Sampler sampler,

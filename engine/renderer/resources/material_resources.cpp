@@ -44,7 +44,7 @@ MaterialResources::MaterialResources(const gpu::Device& device, const scene::Sce
                                      const std::vector<scene::BakedMaterial>& baked)
     : layout_(gpu::makeSetLayout(
           device, std::vector<vk::DescriptorType>(kMaps, vk::DescriptorType::eCombinedImageSampler))),
-      pool_(gpu::makeSamplerPool(device, baked.size(), kMaps))
+      pool_(gpu::makePool(device, vk::DescriptorType::eCombinedImageSampler, baked.size(), kMaps))
 {
     for (const auto v : kAddressModes)
         for (const auto u : kAddressModes)

@@ -13,7 +13,8 @@ gpu::SetLayout VertexTexels::makeLayout(const gpu::Device& device)
 
 VertexTexels::VertexTexels(const gpu::Device& device, const gpu::SetLayout& layout,
                            const gpu::Buffer& vertices)
-    : view_(gpu::makeTexelView(device, vertices)), set_(gpu::makeSet(device, layout))
+    : pool_(gpu::makePool(device, vk::DescriptorType::eUniformTexelBuffer, 1, 1)),
+      view_(gpu::makeTexelView(device, vertices)), set_(gpu::makeSet(device, pool_, layout))
 {
     gpu::writeTexels(device, *set_, 0, *view_);
 }

@@ -16,6 +16,7 @@ public:
     vk::DescriptorSet set() const { return *set_; }
 
 private:
+    vk::raii::DescriptorPool pool_; // scenes are uploaded while others are rendered
     vk::raii::BufferView view_;
     vk::raii::DescriptorSet set_;
 };

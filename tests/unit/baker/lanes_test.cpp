@@ -108,46 +108,38 @@ std::vector<Job*> pointersTo(std::vector<Job>& jobs)
     return pointers;
 }
 
+// A search at quadrature nodes and one on mixtures, of all instruction sets.
+template<class Job, class AtNodes, class OnMixtures>
+void expectTheSameBitsOfSearches(const std::vector<Job>& all, AtNodes Kernels::*atNodes,
+                                 OnMixtures Kernels::*onMixtures)
+{
+    std::vector<float> memory = scratch();
+    for (const Kernels* set : instructionSets())
+        for (const bool exact : {true, false})
+            for (const bool isotropic : {false, true}) {
+                SearchSettings settings;
+                settings.isotropic = isotropic;
+                const auto search = [&](std::vector<Job>& jobs) {
+                    const std::vector<Job*> queued = pointersTo(jobs);
+                    if (exact)
+                        (set->*atNodes)(queued.data(), int(queued.size()), settings);
+                    else
+                        (set->*onMixtures)(queued.data(), int(queued.size()), settings, memory.data());
+                };
+                expectTheSameBits(all, search, set->name);
+            }
+}
+
 } // namespace
 
 TEST(Lanes, SearchesForOneLobeDoNotDependOnEachOther)
 {
-    const Queue queue;
-    std::vector<float> memory = scratch();
-    for (const Kernels* set : instructionSets())
-        for (const bool exact : {true, false})
-            for (const bool isotropic : {false, true}) {
-                SearchSettings settings;
-                settings.isotropic = isotropic;
-                const auto search = [&](std::vector<FitJob>& jobs) {
-                    const std::vector<FitJob*> queued = pointersTo(jobs);
-                    if (exact)
-                        set->minimise(queued.data(), int(queued.size()), settings);
-                    else
-                        set->minimiseMixtures(queued.data(), int(queued.size()), settings, memory.data());
-                };
-                expectTheSameBits(queue.jobs, search, set->name);
-            }
+    expectTheSameBitsOfSearches(Queue().jobs, &Kernels::minimise, &Kernels::minimiseMixtures);
 }
 
 TEST(Lanes, SearchesForTwoLobesDoNotDependOnEachOther)
 {
-    const Queue queue;
-    std::vector<float> memory = scratch();
-    for (const Kernels* set : instructionSets())
-        for (const bool exact : {true, false})
-            for (const bool isotropic : {false, true}) {
-                SearchSettings settings;
-                settings.isotropic = isotropic;
-                const auto search = [&](std::vector<PairJob>& jobs) {
-                    const std::vector<PairJob*> queued = pointersTo(jobs);
-                    if (exact)
-                        set->minimisePairs(queued.data(), int(queued.size()), settings);
-                    else
-                        set->minimisePairMixtures(queued.data(), int(queued.size()), settings, memory.data());
-                };
-                expectTheSameBits(queue.pairs, search, set->name);
-            }
+    expectTheSameBitsOfSearches(Queue().pairs, &Kernels::minimisePairs, &Kernels::minimisePairMixtures);
 }
 
 TEST(Lanes, LobesAreJudgedOnTheirOwn)
