@@ -130,7 +130,7 @@ void Averager::measure(const Lobes& lobes, const std::vector<Member>& members, f
         strips_.resize(longLobes_.size());
 }
 
-// The lattice points that the lobes need, and their box; or the box alone, where strips are bent about.
+// The lattice points that the lobes need, and their bounding box. boxOnly: only the box, roughly for strips.
 void Averager::place(Patch& patch, bool boxOnly)
 {
     glm::vec2 lower(1e30f), upper(-1e30f);

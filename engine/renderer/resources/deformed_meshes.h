@@ -3,6 +3,7 @@
 #include "geometry_resources.h"
 #include "gpu/frame_ring.h"
 #include <array>
+#include <optional>
 
 namespace lumel {
 
