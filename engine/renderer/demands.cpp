@@ -25,7 +25,8 @@ std::vector<gpu::FormatDemand> formatDemands()
              Feature::eSampledImage | Feature::eSampledImageDepthComparison |
                  Feature::eDepthStencilAttachment | Feature::eTransferDst,
              "shadow maps"},
-            {vk::Format::eR32G32B32A32Uint, Feature::eColorAttachment | Feature::eStorageImage,
+            {vk::Format::eR32G32B32A32Uint,
+             Feature::eColorAttachment | Feature::eSampledImage | Feature::eStorageImage,
              "what the feedback pass sees"},
             {vk::Format::eR32G32B32A32Sfloat, Feature::eSampledImage | copied | Feature::eStorageImage,
              "the reference's sum"},

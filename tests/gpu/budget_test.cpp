@@ -146,17 +146,20 @@ TEST_F(BudgetTest, AScaledFrameIsTheSmallFramesPictureUpscaled)
             renderer.render(camera);
         return renderer.readDisplay();
     };
-    const float scale = tsl::kLeastRenderScale;
-    const glm::ivec2 size(160, 96);
-    const Image scaled = pictureAt(0.1, size), small = pictureAt(0.0, glm::vec2(size) * scale);
-    for (int y = 0; y < size.y; ++y)
-        for (int x = 0; x < size.x; ++x)
-            for (int c = 0; c < 3; ++c) {
-                const float expected =
-                    splineAt(small, scale * (float(x) + 0.5f), scale * (float(y) + 0.5f), c);
-                ASSERT_NEAR(scaled.at(x, y)[c], std::clamp(expected, 0.0f, 1.0f), 1.5f / 255.0f)
-                    << x << " " << y;
-            }
+    for (const glm::ivec2 size :
+         {glm::ivec2(160, 96), glm::ivec2(157, 91)}) { // four pixels at a time, and a rest
+        const glm::ivec2 smallSize = glm::round(glm::vec2(size) * tsl::kLeastRenderScale);
+        const glm::vec2 scale = glm::vec2(smallSize) / glm::vec2(size);
+        const Image scaled = pictureAt(0.1, size), small = pictureAt(0.0, smallSize);
+        for (int y = 0; y < size.y; ++y)
+            for (int x = 0; x < size.x; ++x)
+                for (int c = 0; c < 3; ++c) {
+                    const float expected =
+                        splineAt(small, scale.x * (float(x) + 0.5f), scale.y * (float(y) + 0.5f), c);
+                    ASSERT_NEAR(scaled.at(x, y)[c], std::clamp(expected, 0.0f, 1.0f), 1.5f / 255.0f)
+                        << size.x << " wide, at " << x << " " << y;
+                }
+    }
 }
 
 TEST_F(BudgetTest, LightThatLumelsCannotFollowIsShadedPerPixelWhileItMoves)

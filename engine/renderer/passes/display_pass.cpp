@@ -13,7 +13,7 @@ void dispatchOver(vk::CommandBuffer commands, glm::uvec2 pixels)
 } // namespace
 
 DisplayPass::DisplayPass(const gpu::Device& device, const SceneState& scene, const Targets& targets)
-    : sampler_(gpu::makeSampler(device)),
+    : sampler_(gpu::makeSampler(device, {.filter = vk::Filter::eNearest})),
       accumulateLayout_(
           gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
       displayLayout_(gpu::makeSetLayout(
@@ -21,8 +21,11 @@ DisplayPass::DisplayPass(const gpu::Device& device, const SceneState& scene, con
       accumulate_(gpu::makeComputePipeline(device, "accumulate.comp",
                                            {*scene.frameSet().layout(), *accumulateLayout_},
                                            sizeof(shared::DisplayPush))),
-      upscale_(gpu::makeComputePipeline(device, "upscale.comp", {*scene.frameSet().layout(), *displayLayout_},
-                                        sizeof(shared::ScalePush)))
+      upscaleX_(gpu::makeComputePipeline(device, "upscale_x.comp",
+                                         {*scene.frameSet().layout(), *displayLayout_},
+                                         sizeof(shared::ScalePush))),
+      upscaleY_(gpu::makeComputePipeline(
+          device, "upscale_y.comp", {*scene.frameSet().layout(), *displayLayout_}, sizeof(shared::ScalePush)))
 {
     connect(device, targets);
 }
@@ -97,18 +100,17 @@ void DisplayPass::accumulate(Frame& frame)
 
 void DisplayPass::recordUpscale(Frame& frame)
 {
-    const glm::uvec2 size = frame.settings.size, from = frame.renderSize, between{size.x, from.y};
-    const auto scale = [&](const gpu::Image& source, vk::DescriptorSet set, const shared::ScalePush& push) {
+    const glm::uvec2 size = frame.settings.size, from = frame.renderSize, blocks = (size + 3u) / 4u;
+    const auto scale = [&](const gpu::Image& source, const gpu::Pipeline& pipeline, vk::DescriptorSet set,
+                           glm::uvec2 invocations) {
         gpu::imageBarrier(frame.commands, source.handle(), source.aspect(), gpu::Use::computeWrite,
                           gpu::Use::computeSample);
-        bindSets(frame, vk::PipelineBindPoint::eCompute, upscale_, {set});
-        pushConstants(frame.commands, upscale_, push);
-        // An invocation makes four pixels along the axis that is scaled.
-        const bool sideways = push.from.x != push.to.x;
-        dispatchOver(frame.commands, (push.to + 3u) / (sideways ? glm::uvec2(4, 1) : glm::uvec2(1, 4)));
+        bindSets(frame, vk::PipelineBindPoint::eCompute, pipeline, {set});
+        pushConstants(frame.commands, pipeline, shared::ScalePush{.from = from, .to = size});
+        dispatchOver(frame.commands, invocations);
     };
-    scale(frame.targets.small, *upscaleXSet_, {.from = from, .to = between});
-    scale(frame.targets.wide, *upscaleYSet_, {.from = between, .to = size});
+    scale(frame.targets.small, upscaleX_, *upscaleXSet_, {blocks.x, from.y});
+    scale(frame.targets.wide, upscaleY_, *upscaleYSet_, blocks);
 }
 
 void DisplayPass::recordToneMapping(Frame& frame, int sampleCount)

@@ -27,7 +27,7 @@ private:
     gpu::SetLayout accumulateLayout_, displayLayout_;
     vk::raii::DescriptorSet accumulateSet_ = nullptr, hdrSet_ = nullptr, sumSet_ = nullptr;
     vk::raii::DescriptorSet smallSet_ = nullptr, upscaleXSet_ = nullptr, upscaleYSet_ = nullptr;
-    gpu::Pipeline accumulate_, upscale_;
+    gpu::Pipeline accumulate_, upscaleX_, upscaleY_;
     std::map<uint32_t, gpu::Pipeline> display_; // by tone mapper, made when first needed
 };
 

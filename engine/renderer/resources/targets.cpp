@@ -41,7 +41,8 @@ std::vector<Target> targetsOf(const Settings& settings)
             vk::Format::eR32G32B32A32Sfloat);
     if (settings.budgetMs > 0.0) {
         add(&Targets::small, "small picture", Usage::eStorage | Usage::eSampled);
-        add(&Targets::wide, "wide picture", Usage::eStorage | Usage::eSampled);
+        add(&Targets::wide, "wide picture", Usage::eStorage | Usage::eSampled, vk::Format::eR32G32B32A32Uint);
+        targets.back().info.width = (settings.size.x + 3) / 4;
     }
     add(&Targets::display, "display", Usage::eStorage | Usage::eTransferSrc, vk::Format::eR8G8B8A8Unorm);
     return targets;

@@ -15,8 +15,8 @@ struct Targets {
     gpu::Image depth;        // D32, as many samples as the draw pass
     gpu::Image multisampled; // RGBA16F, only with msaa > 1
     gpu::Image sum;          // RGBA32F, reference only
-    // Of a frame that is drawn smaller than it is shown, RGBA16F, sRGB encoded: as drawn, and as wide as
-    // shown.
+    // Of a frame that is drawn smaller than it is shown, sRGB encoded: as drawn, RGBA16F, and as wide as
+    // shown, four pixels a texel (lib/upscale.glsl).
     gpu::Image small, wide;
     gpu::Image display; // RGBA8, sRGB encoded
 };
