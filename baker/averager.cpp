@@ -80,12 +80,12 @@ void Averager::average(const Lobes& lobes, const std::vector<Member>& members, c
     }
     measure(lobes, members, patch.nodes.spacing);
     if (!shared) {
-        place(patch, true);
+        place(patch, nullptr);
         if (const size_t points = patch.size(); points > size_t(kMaxNodes))
             patch.nodes.spacing *= std::sqrt(float(points) / float(kMaxNodes));
     }
-    place(patch, false);
     patch.sublattice = shared ? Sublattice{} : chooseSublattice(patch.nodes.spacing);
+    place(patch, &patch.sublattice);
     sumOnLattice(lobes, members, black, patch);
 }
 
@@ -130,8 +130,9 @@ void Averager::measure(const Lobes& lobes, const std::vector<Member>& members, f
         strips_.resize(longLobes_.size());
 }
 
-// The lattice points that the lobes need, and their bounding box. boxOnly: only the box, roughly for strips.
-void Averager::place(Patch& patch, bool boxOnly)
+// The points of a sublattice that the lobes need, and their bounding box. Without one only the box, roughly
+// for strips.
+void Averager::place(Patch& patch, const Sublattice* sub)
 {
     glm::vec2 lower(1e30f), upper(-1e30f);
     const float spacing = patch.nodes.spacing, perSpacing = 1.0f / spacing;
@@ -140,7 +141,10 @@ void Averager::place(Patch& patch, bool boxOnly)
         place.centre = {std::nearbyint(l.x), std::nearbyint(l.y)};
         if (place.strip >= 0) {
             Stencil& strip = strips_[size_t(place.strip)];
-            longLobes_[size_t(place.strip)].fill(spacing, place.centre, boxOnly, strip);
+            if (sub)
+                longLobes_[size_t(place.strip)].fill(spacing, place.centre, *sub, strip);
+            else
+                longLobes_[size_t(place.strip)].findBox(spacing, place.centre, strip);
             place.stencil = &strip;
         } else {
             place.stencil = &stencilFor(place.radius * perSpacing);
@@ -184,8 +188,12 @@ void Averager::sumOnLattice(const Lobes& lobes, const std::vector<Member>& membe
             const float* value = values_.data();
             for (const Stencil::Run& run : stencil->runs) {
                 float* row = origin + ptrdiff_t(run.y) * patch.width + run.x;
-                for (int k = 0; k < run.count; ++k)
-                    row[k] += amplitudes[c] * value[k];
+                if (run.stride == 1) // vectors
+                    for (int k = 0; k < run.count; ++k)
+                        row[k] += amplitudes[c] * value[k];
+                else
+                    for (int k = 0; k < run.count; ++k)
+                        row[k * run.stride] += amplitudes[c] * value[k];
                 value += run.count;
             }
         }

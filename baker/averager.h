@@ -36,7 +36,7 @@ public:
 private:
     LobeTerm term(const Lobes& lobes, const Member& member, bool black, float* amplitudes) const;
     void measure(const Lobes& lobes, const std::vector<Member>& members, float spacing);
-    void place(Patch& patch, bool boxOnly);
+    void place(Patch& patch, const Sublattice* sub);
     Sublattice chooseSublattice(float spacing);
     void sumOnLattice(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch);
     void sumOnRule(const Lobes& lobes, const std::vector<Member>& members, bool black, Patch& patch);

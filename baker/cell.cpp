@@ -141,10 +141,9 @@ size_t Patch::appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, flo
 size_t Patch::appendSublattice(NodeSet& to, std::vector<float>* sums, size_t end, float least,
                                const Block& block, int channels) const
 {
-    for (int j = block.y0; j < block.y1; ++j)
-        for (int i = block.x0; i < block.x1; ++i) {
-            if (!sublattice.has(x0 + i, y0 + j))
-                continue;
+    for (int j = block.y0; j < block.y1; ++j) {
+        const Sublattice::Row& row = sublattice.row(y0 + j);
+        for (int i = row.from(x0 + block.x0) - x0; row.stride > 0 && i < block.x1; i += row.stride) {
             to.x[end] = float(x0 + i);
             to.y[end] = float(y0 + j);
             to.area[end] = float(sublattice.step);
@@ -155,6 +154,7 @@ size_t Patch::appendSublattice(NodeSet& to, std::vector<float>* sums, size_t end
             }
             end += largest > least;
         }
+    }
     return end;
 }
 
@@ -168,15 +168,19 @@ size_t Patch::appendMerged(NodeSet& to, std::vector<float>* sums, size_t end, fl
         for (int i0 = 0; i0 < width; i0 += kSide) {
             const Block block{i0, j0, std::min(i0 + kSide, width), std::min(j0 + kSide, height)};
             float largest = 0.0f, total[3] = {}, x = 0.0f, y = 0.0f;
+            int points = 0;
             for (int c = 0; c < channels; ++c)
-                for (int j = block.y0; j < block.y1; ++j)
-                    for (int i = i0; i < block.x1; ++i) {
+                for (int j = block.y0; j < block.y1; ++j) {
+                    const Sublattice::Row& row = sublattice.row(y0 + j);
+                    for (int i = row.from(x0 + i0) - x0; row.stride > 0 && i < block.x1; i += row.stride) {
+                        points += c == 0;
                         const float v = g[size_t(c) * size() + size_t(j) * size_t(width) + size_t(i)];
                         largest = std::max(largest, v);
                         total[c] += v;
                         x += v * float(i);
                         y += v * float(j);
                     }
+                }
             if (largest <= kNegligible * peak)
                 continue;
             if (largest > kFaint * peak) {
@@ -188,7 +192,7 @@ size_t Patch::appendMerged(NodeSet& to, std::vector<float>* sums, size_t end, fl
             to.y[end] = float(y0) + y / sum;
             to.area[end] = float((block.x1 - i0) * (block.y1 - j0));
             for (int c = 0; c < channels; ++c)
-                sums[c][end] = total[c] / to.area[end];
+                sums[c][end] = total[c] / float(points);
             ++end;
         }
     return end;

@@ -9,7 +9,7 @@ namespace lumel::baker {
 // Area-weighted sum of lobes at quadrature nodes: a rectangle of a lattice, or the whole rule.
 struct Patch {
     Nodes nodes;
-    Sublattice sublattice;                     // where nodes are to be
+    Sublattice sublattice;                     // where lobes are summed and nodes are to be
     int x0 = 0, y0 = 0, width = 0, height = 0; // lattice points; the rule is one row
     std::vector<float> g;                      // [channel][height][width]
 

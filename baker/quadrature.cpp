@@ -98,7 +98,7 @@ void Stencil::place()
     size_t count = 0;
     for (const Run& run : runs) {
         lower = glm::min(lower, glm::ivec2(run.x, run.y));
-        upper = glm::max(upper, glm::ivec2(run.x + run.count, run.y + 1));
+        upper = glm::max(upper, glm::ivec2(run.x + (run.count - 1) * run.stride + 1, run.y + 1));
         count += size_t(run.count);
     }
     const size_t vectors = (count + kMaxLanes - 1) / kMaxLanes;
@@ -107,7 +107,7 @@ void Stencil::place()
     float *toX = x.data(), *toY = y.data();
     for (const Run& run : runs)
         for (int i = 0; i < run.count; ++i) {
-            *toX++ = float(run.x + i);
+            *toX++ = float(run.x + i * run.stride);
             *toY++ = float(run.y);
         }
     std::fill(toX, x.data() + x.size(), 0.0f);

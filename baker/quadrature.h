@@ -5,6 +5,7 @@
 #pragma once
 #include "core/uninitialised.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <vector>
@@ -33,10 +34,28 @@ struct Nodes {
 };
 
 // The points of a lattice with (x i + y j) mod step = 0, one in `step`, which divides kMaxStep.
-struct Sublattice {
+class Sublattice {
+public:
     static constexpr int kMaxStep = 4;
-    int step = 1, x = 0, y = 0;
-    bool has(int i, int j) const { return ((x * i + y * j) & (step - 1)) == 0; }
+    // Of a row, every `stride`th point from the first one that is not before i; stride 0: none.
+    struct Row {
+        int stride = 0, first = 0;
+        int from(int i) const { return i + ((first - i) & (stride - 1)); }
+    };
+    constexpr Sublattice() : Sublattice(1, 0, 0) {} // all
+    constexpr Sublattice(int step_, int x_, int y_) : step(step_), x(x_), y(y_)
+    {
+        for (int j = 0; j < kMaxStep; ++j)
+            for (int i = step - 1; i >= 0; --i) // a row's points are equally far apart
+                if (has(i, j))
+                    rows_[size_t(j)] = {rows_[size_t(j)].stride == 0 ? step : rows_[size_t(j)].first - i, i};
+    }
+    constexpr bool has(int i, int j) const { return ((x * i + y * j) & (step - 1)) == 0; }
+    const Row& row(int j) const { return rows_[size_t(j & (kMaxStep - 1))]; }
+    int step, x, y;
+
+private:
+    std::array<Row, kMaxStep> rows_{};
 };
 
 // Covariance of a lobe in Lambert's map, in spacings.
@@ -64,7 +83,7 @@ const NodeSet& discRule(double power);
 // Lattice points around a lobe, row by row; the coordinates are padded to whole vectors.
 struct Stencil {
     struct Run {
-        int y, x, count;
+        int y, x, count, stride = 1;
     };
     std::vector<Run> runs;
     UninitialisedArray<float> x, y;

@@ -15,12 +15,19 @@ struct Strip {
 
     Strip(const Lobes& lobes, size_t index);
     LatticeCovariance covariance(float spacing) const;
-    // Runs of lattice points, counted from the point `centre`; or only about their box.
-    void fill(float spacing, glm::vec2 centre, bool boxOnly, Stencil& stencil) const;
+    // Runs of points of the sublattice, counted from the point `centre`.
+    void fill(float spacing, glm::vec2 centre, const Sublattice& sub, Stencil& stencil) const;
+    // Their box alone, roughly.
+    void findBox(float spacing, glm::vec2 centre, Stencil& stencil) const;
 
 private:
-    using Outline = std::array<glm::vec2, 2>; // both sides
-    Outline outlineAt(float angle, glm::vec3 middle, float spacing, glm::vec2 centre) const;
+    static constexpr int kAlong = 13; // points of a side
+    struct Outline {
+        float sine[2 * kAlong], out[2 * kAlong]; // of their angles along and across
+        float x[2 * kAlong], y[2 * kAlong];      // in spacings from the centre
+    };
+    Outline outline(float spacing, glm::vec2 centre) const;
+    float reach(float spacing) const; // angle to either end
 };
 
 } // namespace lumel::baker

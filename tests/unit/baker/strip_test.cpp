@@ -37,7 +37,7 @@ std::set<std::pair<int, int>> pointsOf(const Stencil& stencil)
     std::set<std::pair<int, int>> points;
     for (const Stencil::Run& run : stencil.runs)
         for (int i = 0; i < run.count; ++i)
-            points.insert({run.y, run.x + i});
+            points.insert({run.y, run.x + i * run.stride});
     return points;
 }
 
@@ -55,7 +55,7 @@ TEST(Strip, HoldsTheLobeDownToTheCutOffAndLittleElse)
                 const glm::vec2 at = lambert(l.nx[0], l.ny[0], l.nz[0]) / spacing;
                 const glm::vec2 centre(std::nearbyint(at.x), std::nearbyint(at.y));
                 Stencil strip;
-                Strip(l, 0).fill(spacing, centre, false, strip);
+                Strip(l, 0).fill(spacing, centre, {}, strip);
                 const auto inStrip = pointsOf(strip);
                 Stencil around; // as far as strips reach
                 for (int y = -36; y <= 36; ++y)
@@ -90,20 +90,35 @@ TEST(Strip, OnASublatticeSumsAreTheSame)
             const Strip strip(l, 0);
             const Sublattice sub = sublatticeFor({strip.covariance(spacing)});
             coarser += sub.step > 1;
-            Stencil stencil;
-            strip.fill(spacing, centre, false, stencil);
-            const std::vector<float> values = valuesAt(l, stencil, centre, spacing);
-            double whole = 0.0, part = 0.0;
-            const size_t points = pointsOf(stencil).size(); // without what pads them
-            for (size_t k = 0; k < points; ++k) {
-                const double square = double(values[k]) * double(values[k]);
-                whole += square;
-                if (sub.has(int(stencil.x[k]), int(stencil.y[k])))
-                    part += sub.step * square;
-            }
-            EXPECT_NEAR(part / whole, 1.0, 2e-3) << "tilt " << tilt << ", turn " << turn;
+            const auto energyOn = [&](const Sublattice& points) {
+                Stencil stencil;
+                strip.fill(spacing, centre, points, stencil);
+                const std::vector<float> values = valuesAt(l, stencil, centre, spacing);
+                double sum = 0.0;
+                for (size_t k = 0; k < pointsOf(stencil).size(); ++k) // without what pads them
+                    sum += points.step * double(values[k]) * double(values[k]);
+                return sum;
+            };
+            EXPECT_NEAR(energyOn(sub) / energyOn({}), 1.0, 2e-3) << "tilt " << tilt << ", turn " << turn;
         }
     EXPECT_GT(2 * coarser, count);
+}
+
+TEST(Strip, OfASublatticeItHasThePointsThatTheWholeHas)
+{
+    const float spacing = 1.0f / std::sqrt(6000.0f);
+    const Lobes l = lobeOf(0.3f, -0.2f, 50.0f, 6000.0f, 0.7f);
+    const Strip strip(l, 0);
+    for (const Sublattice sub : {Sublattice{2, 1, 0}, {2, 0, 1}, {2, 1, 1}, {4, 1, 2}, {4, 2, 1}, {4, 1, 3}})
+        for (const glm::ivec2 centre : {glm::ivec2(19, -12), glm::ivec2(18, -13)}) {
+            Stencil whole, part;
+            strip.fill(spacing, glm::vec2(centre), {}, whole);
+            strip.fill(spacing, glm::vec2(centre), sub, part);
+            auto expected = pointsOf(whole);
+            std::erase_if(expected,
+                          [&](const auto& p) { return !sub.has(centre.x + p.second, centre.y + p.first); });
+            EXPECT_EQ(pointsOf(part), expected) << sub.step << " " << sub.x << " " << sub.y;
+        }
 }
 
 TEST(Strip, RoundLobesNeedTheWholeLattice)
