@@ -1,6 +1,5 @@
 // Without branches, so that the compiler makes vector instructions of it: five times as fast as OpenImageIO.
 #include "image.h"
-#include <OpenImageIO/imageio.h>
 #include <bit>
 
 namespace lumel {
@@ -23,6 +22,16 @@ uint16_t halfOf(float value)
     return uint16_t(half | sign >> 16);
 }
 
+float floatOf(uint16_t half)
+{
+    const uint32_t sign = uint32_t(half & 0x8000u) << 16, size = uint32_t(half & 0x7fffu) << 13;
+    const uint32_t normal = size + (size < (31u << 23) ? 112u << 23 : 224u << 23);
+    // One more in the exponent, and that much less: a subnormal half is a normal float.
+    const uint32_t subnormal = std::bit_cast<uint32_t>(std::bit_cast<float>(size + kLeastNormal) -
+                                                       std::bit_cast<float>(kLeastNormal));
+    return std::bit_cast<float>((size < (1u << 23) ? subnormal : normal) | sign);
+}
+
 } // namespace
 
 void floatsToHalf(std::span<const float> from, uint16_t* to)
@@ -34,8 +43,9 @@ void floatsToHalf(std::span<const float> from, uint16_t* to)
 
 void halfToFloats(std::span<const uint16_t> from, float* to)
 {
-    OIIO::convert_pixel_values(OIIO::TypeDesc::HALF, from.data(), OIIO::TypeDesc::FLOAT, to,
-                               int(from.size()));
+    const uint16_t* values = from.data();
+    for (size_t i = 0, count = from.size(); i < count; ++i)
+        to[i] = floatOf(values[i]);
 }
 
 } // namespace lumel

@@ -2,6 +2,7 @@
 #pragma once
 #include "memory.h"
 #include "pipeline_cache.h"
+#include "pipeline_compiler.h"
 #include <atomic>
 #include <functional>
 #include <optional>
@@ -48,6 +49,7 @@ public:
     const vk::raii::DescriptorPool& descriptorPool() const { return descriptorPool_; }
     const vk::PhysicalDeviceProperties& properties() const { return properties_; }
     const vk::raii::PipelineCache& pipelineCache() const { return pipelineCache_->handle(); }
+    PipelineCompiler& compiler() const { return *compiler_; }
     const Limits& limits() const { return limits_; }
     std::string driver() const { return driver_; }
     std::vector<std::string> validationMessages() const;
@@ -99,6 +101,7 @@ private:
     vk::raii::Device device_ = nullptr;
     std::unique_ptr<Allocator> allocator_;
     std::unique_ptr<PipelineCache> pipelineCache_;
+    std::unique_ptr<PipelineCompiler> compiler_ = std::make_unique<PipelineCompiler>(); // dies before these
     vk::raii::Queue queue_ = nullptr;
     vk::raii::CommandPool commandPool_ = nullptr, oncePool_ = nullptr;
     vk::raii::DescriptorPool descriptorPool_ = nullptr;

@@ -8,7 +8,7 @@ struct HostWork {
     uint64_t waits = 0;            // for the device to finish what was submitted
     uint64_t ringWaits = 0;        // for a frame so old that its part of the rings serves the next one
     uint64_t uploadedBytes = 0;    // written to memory that the device reads
-    uint64_t pipelinesCreated = 0; // begun: they compile on threads of their own
+    uint64_t pipelinesCreated = 0; // begun: they compile in the background
 };
 
 // Of the calling thread, so that what is loaded beside a frame does not count as the frame's.

@@ -47,10 +47,14 @@ struct Constants {
 };
 
 template<class Make>
-CompiledPipeline compile(Make make)
+CompiledPipeline compile(const Device& device, Make make)
 {
     ++hostWork().pipelinesCreated;
-    return CompiledPipeline(std::async(std::launch::async, std::move(make)));
+    // Modules only move, functions are copied.
+    const auto shared = std::make_shared<Make>(std::move(make));
+    const auto compilation = std::make_shared<Compilation>([shared] { return (*shared)(); });
+    device.compiler().add(compilation);
+    return CompiledPipeline(compilation);
 }
 
 vk::raii::PipelineLayout makeLayout(const Device& device, const std::vector<vk::DescriptorSetLayout>& sets,
@@ -179,19 +183,19 @@ Pipeline makeComputePipeline(const Device& device, const std::string& shader,
     const uint32_t lanes = device.limits().subgroupSize <= 8 ? 8 : 64;
     Pipeline pipeline;
     pipeline.layout = makeLayout(device, sets, pushBytes);
-    pipeline.handle = compile(
-        [&device, shader, features, lanes, layout = *pipeline.layout, module = makeModule(device, shader)] {
-            const Constants constants(features, 0, 1, lanes);
-            vk::raii::Pipeline made(
-                device.handle(), device.pipelineCache(),
-                vk::ComputePipelineCreateInfo{.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
-                                                        .module = *module,
-                                                        .pName = "main",
-                                                        .pSpecializationInfo = &constants.info},
-                                              .layout = layout});
-            device.name(made, shader);
-            return made;
-        });
+    pipeline.handle = compile(device, [&device, shader, features, lanes, layout = *pipeline.layout,
+                                       module = makeModule(device, shader)] {
+        const Constants constants(features, 0, 1, lanes);
+        vk::raii::Pipeline made(
+            device.handle(), device.pipelineCache(),
+            vk::ComputePipelineCreateInfo{.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
+                                                    .module = *module,
+                                                    .pName = "main",
+                                                    .pSpecializationInfo = &constants.info},
+                                          .layout = layout});
+        device.name(made, shader);
+        return made;
+    });
     return pipeline;
 }
 
@@ -274,9 +278,10 @@ Pipeline makeGraphicsPipeline(const Device& device, const GraphicsInfo& info)
     modules.push_back(makeModule(device, info.vertex));
     if (!info.fragment.empty())
         modules.push_back(makeModule(device, info.fragment));
-    pipeline.handle = compile([&device, info, layout = *pipeline.layout, modules = std::move(modules)] {
-        return compileGraphics(device, info, modules, layout);
-    });
+    pipeline.handle =
+        compile(device, [&device, info, layout = *pipeline.layout, modules = std::move(modules)] {
+            return compileGraphics(device, info, modules, layout);
+        });
     return pipeline;
 }
 

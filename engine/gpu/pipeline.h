@@ -1,7 +1,7 @@
 // Pipelines from embedded SPIR-V, and the layouts of their descriptor sets.
 #pragma once
 #include "device.h"
-#include <future>
+#include "pipeline_compiler.h"
 #include <map>
 #include <span>
 
@@ -28,23 +28,34 @@ void writeUniform(const Device& device, vk::DescriptorSet set, uint32_t binding,
 void writeStorage(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::ImageView view);
 void writeTexels(const Device& device, vk::DescriptorSet set, uint32_t binding, vk::BufferView view);
 
-// Compiled on a thread of its own from when it is made to when it is first used: drivers take from
-// milliseconds to a second for each.
+// Compiled in the background, or by whom uses it first.
 class CompiledPipeline {
 public:
     CompiledPipeline() = default;
-    explicit CompiledPipeline(std::future<vk::raii::Pipeline> compiling) : compiling_(std::move(compiling)) {}
-    bool begun() const { return compiling_.valid() || *done_; }
-    // Waits for it, and throws what went wrong. Null: none.
+    explicit CompiledPipeline(std::shared_ptr<Compilation> compiling) : compiling_(std::move(compiling)) {}
+    CompiledPipeline(CompiledPipeline&&) noexcept = default;
+    CompiledPipeline& operator=(CompiledPipeline&& other) noexcept
+    {
+        std::swap(compiling_, other.compiling_);
+        std::swap(done_, other.done_);
+        return *this;
+    }
+    ~CompiledPipeline()
+    {
+        if (compiling_)
+            compiling_->drop();
+    }
+    bool begun() const { return compiling_ || *done_; }
+    // Throws what went wrong. Null: none.
     vk::Pipeline operator*() const
     {
-        if (compiling_.valid())
-            done_ = compiling_.get();
+        if (compiling_)
+            done_ = std::exchange(compiling_, nullptr)->take();
         return *done_;
     }
 
 private:
-    mutable std::future<vk::raii::Pipeline> compiling_; // waits when it is destroyed
+    mutable std::shared_ptr<Compilation> compiling_;
     mutable vk::raii::Pipeline done_ = nullptr;
 };
 

@@ -223,8 +223,8 @@ void Renderer::expectSecondLobes(const std::set<size_t>& materials)
     preparePipelines();
 }
 
-// All that frames can need, so that none waits for a driver to compile one: on threads of their own, while
-// whatever comes before the first frame that uses them runs.
+// All that frames can need, so that none waits for a driver to compile one: in the background, while whatever
+// comes before the first frame that uses them runs. First what the first frame needs.
 void Renderer::preparePipelines()
 {
     const Frame frame = makeFrame(settings_, targets_, frameIndex_ + 1);
@@ -234,13 +234,17 @@ void Renderer::preparePipelines()
         shadow_.preparePipelines(frame);
     if (settings_.shading == Shading::tsl) {
         feedback_.prepare(frame);
-        light_.prepare(frame, pool_, plan_, lights);
+        light_.prepare(frame, pool_, lights);
     }
     draw_.prepare(frame, pool_, lights);
     if (filtersEdges(settings_)) // which tone-maps too
         edges_.prepare(frame);
     else
         display_.prepare(frame);
+    if (settings_.shading == Shading::tsl) {
+        light_.prepareCached(frame, pool_, plan_, lights);
+        draw_.prepareFades(frame, pool_, lights);
+    }
 }
 
 glm::mat4 Renderer::clipFromWorld(const scene::Camera& camera) const

@@ -2,6 +2,7 @@
 #include "material_maps.h"
 #include "shared/moments.h"
 #include <bit>
+#include <glm/gtc/type_ptr.hpp>
 #include <tbb/parallel_for.h>
 
 namespace lumel::scene {
@@ -104,24 +105,35 @@ void HalfChain::setSize(glm::ivec2 size, size_t levels)
     }
 }
 
-HalfChain::HalfChain(const std::vector<Image>& levels)
+HalfChain::HalfChain(glm::ivec2 size, size_t levels,
+                     const std::function<void(size_t level, int y, float* rgba)>& fill)
 {
-    setSize({levels.front().width, levels.front().height}, levels.size());
+    setSize(size, levels);
     const auto halves = std::make_shared<std::vector<uint16_t>>(offsets_.back());
-    for (size_t level = 0; level < levels.size(); ++level) {
-        const Image& image = levels[level];
-        const auto channels = size_t(image.channels), width = size_t(image.width);
-        tbb::parallel_for(0, image.height, [&](int y) {
-            std::vector<float> rgba(4 * width, 1.0f);
-            const float* from = image.at(0, y);
-            for (size_t x = 0; x < width; ++x)
-                for (size_t c = 0; c < channels; ++c)
-                    rgba[4 * x + c] = std::clamp(from[x * channels + c], -kMaxHalf, kMaxHalf);
-            floatsToHalf(rgba, halves->data() + offsets_[level] + 4 * width * size_t(y));
+    for (size_t level = 0; level < levels; ++level) {
+        const glm::ivec2 extent = this->size(level);
+        tbb::parallel_for(0, extent.y, [&](int y) {
+            std::vector<float> rgba(4 * size_t(extent.x));
+            fill(level, y, rgba.data());
+            floatsToHalf(rgba, halves->data() + offsets_[level] + rgba.size() * size_t(y));
         });
     }
     texels_ = halves->data();
     owner_ = halves;
+}
+
+HalfChain::HalfChain(const std::vector<Image>& levels)
+    : HalfChain({levels.front().width, levels.front().height}, levels.size(),
+                [&](size_t level, int y, float* rgba) {
+                    const Image& image = levels[level];
+                    const auto channels = size_t(image.channels), width = size_t(image.width);
+                    const float* from = image.at(0, y);
+                    for (size_t x = 0; x < width; ++x)
+                        for (size_t c = 0; c < 4; ++c)
+                            rgba[4 * x + c] =
+                                c < channels ? std::clamp(from[x * channels + c], -kMaxHalf, kMaxHalf) : 1.0f;
+                })
+{
 }
 
 HalfChain::HalfChain(glm::ivec2 size, const uint16_t* texels, std::shared_ptr<const void> owner)
@@ -198,24 +210,27 @@ FirstLobeMaps firstLobeMaps(const Reflectance& reflectance)
 {
     if (!reflectance.hasSecond())
         return {reflectance.normal, reflectance.specular};
-    std::vector<Image> normals, speculars;
-    for (size_t level = 0; level < reflectance.levels(); ++level) {
-        const glm::ivec2 size = reflectance.normal.size(level);
-        Image& normal = normals.emplace_back(size.x, size.y, 4);
-        Image& specular = speculars.emplace_back(size.x, size.y, 4);
-        tbb::parallel_for(0, size.y, [&](int y) {
-            for (int x = 0; x < size.x; ++x) {
-                const glm::vec4 n = reflectance.normal.at(level, x, y),
-                                s = reflectance.specular.at(level, x, y);
+    const HalfChain &normals = reflectance.normal, &speculars = reflectance.specular;
+    const auto premultiplied = [&](glm::vec4 (*texelOf)(glm::vec4 normal, glm::vec4 specular, float weight)) {
+        return HalfChain(normals.size(), normals.levels(), [&](size_t level, int y, float* rgba) {
+            const size_t values = 4 * size_t(normals.size(level).x), first = values * size_t(y);
+            std::vector<float> specular(values);
+            halfToFloats(normals.texels(level).subspan(first, values), rgba);
+            halfToFloats(speculars.texels(level).subspan(first, values), specular.data());
+            for (size_t i = 0; i < values; i += 4) {
+                const glm::vec4 s = glm::make_vec4(&specular[i]);
                 const float k = shared::luminanceOf(glm::vec3(s)) + shared::kLeastWeight;
-                const float c = k * shared::kSecondCovarianceScale;
-                const glm::vec4 lobe(k * n.x, k * n.y, c * n.z, c * n.w), rest(s.x, s.y, s.z, c * s.w);
-                std::copy_n(&lobe.x, 4, normal.at(x, y));
-                std::copy_n(&rest.x, 4, specular.at(x, y));
+                const glm::vec4 texel = texelOf(glm::make_vec4(rgba + i), s, k);
+                std::copy_n(&texel.x, 4, rgba + i);
             }
         });
-    }
-    return {HalfChain(normals), HalfChain(speculars)};
+    };
+    constexpr float kScale = shared::kSecondCovarianceScale;
+    return {premultiplied([](glm::vec4 n, glm::vec4, float k) {
+                return glm::vec4(k * n.x, k * n.y, k * kScale * n.z, k * kScale * n.w);
+            }),
+            premultiplied(
+                [](glm::vec4, glm::vec4 s, float k) { return glm::vec4(s.x, s.y, s.z, k * kScale * s.w); })};
 }
 
 } // namespace lumel::scene

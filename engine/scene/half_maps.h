@@ -2,6 +2,7 @@
 #pragma once
 #include "baker/bake.h"
 #include "core/image.h"
+#include <functional>
 #include <memory>
 
 namespace lumel::scene {
@@ -12,6 +13,9 @@ public:
     HalfChain() = default;
     // Of one to four channels; missing ones are 1, infinite values as large as half floats get.
     explicit HalfChain(const std::vector<Image>& levels);
+    // Of rows of finite RGBA values that `fill` gives.
+    HalfChain(glm::ivec2 size, size_t levels,
+              const std::function<void(size_t level, int y, float* rgba)>& fill);
     // All levels down to 1 x 1, in texels that `owner` keeps, as bytes() gives them.
     HalfChain(glm::ivec2 size, const uint16_t* texels, std::shared_ptr<const void> owner);
 

@@ -100,12 +100,15 @@ void DrawPass::prepare(const Frame& frame, const LitPool& pool, uint32_t lights)
         pipeline(frame, pool, Kind::lit, shared::kFeatureWaiting);
     if (lights & shared::kFeatureEnvironment)
         pipeline(frame, pool, Kind::background);
-    for (const SurfaceKind& kind : frame.scene.surfaceKinds()) {
-        if (!kind.blend)
-            pipeline(frame, pool, Kind::forward, lights | kind.features);
-        if (kind.blend || tsl) // whose objects fade
+    for (const SurfaceKind& kind : frame.scene.surfaceKinds())
+        pipeline(frame, pool, kind.blend ? Kind::blended : Kind::forward, lights | kind.features);
+}
+
+void DrawPass::prepareFades(const Frame& frame, const LitPool& pool, uint32_t lights)
+{
+    for (const SurfaceKind& kind : frame.scene.surfaceKinds())
+        if (frame.settings.view == View::none)
             pipeline(frame, pool, Kind::blended, lights | kind.features);
-    }
 }
 
 // Of an opaque object's pixels.

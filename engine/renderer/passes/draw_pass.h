@@ -9,6 +9,8 @@ class DrawPass {
 public:
     // Begins to make all pipelines that frames of these settings can need, with the lights' kFeature...
     void prepare(const Frame& frame, const LitPool& pool, uint32_t lights);
+    // Those of texture space in which objects fade, which no first frame needs.
+    void prepareFades(const Frame& frame, const LitPool& pool, uint32_t lights);
     void record(Frame& frame, const LitPool& pool);
     static void begin(Frame& frame);                             // to draw into the cleared targets
     static std::vector<size_t> nearestFirst(const Frame& frame); // objects in view

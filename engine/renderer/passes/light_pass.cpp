@@ -33,16 +33,20 @@ const gpu::Pipeline& LightPass::cachedPipeline(const Frame& frame, const LitPool
     return pipeline;
 }
 
-void LightPass::prepare(const Frame& frame, const LitPool& pool, const PlanPass& plan, uint32_t lights)
+void LightPass::prepare(const Frame& frame, const LitPool& pool, uint32_t lights)
 {
-    for (const SurfaceKind& kind : frame.scene.surfaceKinds()) {
-        if (!kind.lightable)
-            continue;
-        lightPipeline(frame, pool, lights | kind.features);
+    for (const SurfaceKind& kind : frame.scene.surfaceKinds())
+        if (kind.lightable)
+            lightPipeline(frame, pool, lights | kind.features);
+}
+
+void LightPass::prepareCached(const Frame& frame, const LitPool& pool, const PlanPass& plan, uint32_t lights)
+{
+    for (const SurfaceKind& kind : frame.scene.surfaceKinds())
         for (const uint32_t shadows : {shared::kFeatureKnownShadows, 0u})
-            cachedPipeline(frame, pool, plan.surfaces(),
-                           lights | shadows | (kind.features & shared::kFeatureSecondLobe));
-    }
+            if (kind.lightable)
+                cachedPipeline(frame, pool, plan.surfaces(),
+                               lights | shadows | (kind.features & shared::kFeatureSecondLobe));
 }
 
 // kFeature... beside the lights'.

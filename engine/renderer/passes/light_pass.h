@@ -10,7 +10,9 @@ class LightPass {
 public:
     LightPass(const gpu::Device& device, const SceneState& scene, const LitPool& pool);
     // Begins to make all pipelines that the scene can need, with the lights' kFeature...
-    void prepare(const Frame& frame, const LitPool& pool, const PlanPass& plan, uint32_t lights);
+    void prepare(const Frame& frame, const LitPool& pool, uint32_t lights);
+    // No first frame finds a surface in the cache.
+    void prepareCached(const Frame& frame, const LitPool& pool, const PlanPass& plan, uint32_t lights);
     void recordLight(Frame& frame, const LitPool& pool, const PlanPass& plan);
     void recordLower(Frame& frame, const LitPool& pool, const PlanPass& plan);
 

@@ -111,6 +111,21 @@ float floatOf(uint16_t half)
     return value;
 }
 
+// IEEE 754-2008, binary16.
+TEST(HalfFloats, AreReadExactly)
+{
+    for (unsigned half = 0; half < 0x7c00; ++half) {
+        const unsigned exponent = half >> 10, mantissa = half & 0x3ffu;
+        const float expected =
+            std::ldexp(float(exponent == 0 ? mantissa : mantissa + 1024), int(std::max(exponent, 1u)) - 25);
+        ASSERT_EQ(floatOf(uint16_t(half)), expected);
+        ASSERT_EQ(floatOf(uint16_t(half | 0x8000)), -expected);
+    }
+    EXPECT_EQ(floatOf(0x7c00), INFINITY);
+    EXPECT_EQ(floatOf(0xfc00), -INFINITY);
+    EXPECT_TRUE(std::signbit(floatOf(0x8000)));
+}
+
 TEST(HalfFloats, AreTheNearest)
 {
     constexpr uint16_t kInfinity = 0x7c00;
