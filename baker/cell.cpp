@@ -99,14 +99,13 @@ void Patch::appendTo(NodeSet& to, std::vector<float>* sums, float factor, int ch
     }
 }
 
-// The visible points of a block, from `end` on; returns the new end.
+// The visible points of a block, from `end` on; returns the new end. A sublattice's stand for `step` points
+// each.
 size_t Patch::appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, float peak, const Block& block,
                           int channels) const
 {
     const float least = kNegligible * peak;
-    if (sublattice.step > 1)
-        return appendSublattice(to, sums, end, least, block, channels);
-    if (channels == 1) { // most maps: one test per point
+    if (channels == 1 && sublattice.step == 1) { // most maps: one test per point
         float *x = to.x.data(), *y = to.y.data(), *area = to.area.data(), *sum = sums[0].data();
         for (int j = block.y0; j < block.y1; ++j) {
             const float* row = g.data() + size_t(j) * size_t(width);
@@ -121,27 +120,6 @@ size_t Patch::appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, flo
         return end;
     }
     for (int j = block.y0; j < block.y1; ++j) {
-        size_t k = size_t(j) * size_t(width) + size_t(block.x0);
-        for (int i = block.x0; i < block.x1; ++i, ++k) {
-            to.x[end] = float(x0 + i);
-            to.y[end] = float(y0 + j);
-            to.area[end] = 1.0f;
-            float largest = 0.0f;
-            for (int c = 0; c < channels; ++c) {
-                sums[c][end] = g[size_t(c) * size() + k];
-                largest = std::max(largest, sums[c][end]);
-            }
-            end += largest > least; // kept, or overwritten by the next
-        }
-    }
-    return end;
-}
-
-// The same for those of the sublattice, which stand for `step` points each.
-size_t Patch::appendSublattice(NodeSet& to, std::vector<float>* sums, size_t end, float least,
-                               const Block& block, int channels) const
-{
-    for (int j = block.y0; j < block.y1; ++j) {
         const Sublattice::Row& row = sublattice.row(y0 + j);
         for (int i = row.from(x0 + block.x0) - x0; row.stride > 0 && i < block.x1; i += row.stride) {
             to.x[end] = float(x0 + i);
@@ -152,7 +130,7 @@ size_t Patch::appendSublattice(NodeSet& to, std::vector<float>* sums, size_t end
                 sums[c][end] = g[size_t(c) * size() + size_t(j) * size_t(width) + size_t(i)];
                 largest = std::max(largest, sums[c][end]);
             }
-            end += largest > least;
+            end += largest > least; // kept, or overwritten by the next
         }
     }
     return end;

@@ -27,8 +27,6 @@ private:
     };
     size_t appendBlock(NodeSet& to, std::vector<float>* sums, size_t end, float peak, const Block& block,
                        int channels) const;
-    size_t appendSublattice(NodeSet& to, std::vector<float>* sums, size_t end, float least,
-                            const Block& block, int channels) const;
     size_t appendMerged(NodeSet& to, std::vector<float>* sums, size_t end, float peak, int channels) const;
 };
 

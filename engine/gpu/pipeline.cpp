@@ -50,9 +50,7 @@ template<class Make>
 CompiledPipeline compile(const Device& device, Make make)
 {
     ++hostWork().pipelinesCreated;
-    // Modules only move, functions are copied.
-    const auto shared = std::make_shared<Make>(std::move(make));
-    const auto compilation = std::make_shared<Compilation>([shared] { return (*shared)(); });
+    const auto compilation = std::make_shared<Compilation>(std::move(make));
     device.compiler().add(compilation);
     return CompiledPipeline(compilation);
 }

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
-#include <functional>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -16,8 +15,8 @@ namespace lumel::gpu {
 // One pipeline's. The first to claim it does the work.
 class Compilation {
 public:
-    explicit Compilation(std::function<vk::raii::Pipeline()> make)
-        : work_(std::move(make)), result_(work_.get_future())
+    template<class Make>
+    explicit Compilation(Make make) : work_(std::move(make)), result_(work_.get_future())
     {
     }
     bool claim() { return !claimed_.exchange(true); }

@@ -59,7 +59,7 @@ Renderer::Renderer(const gpu::Device& device, const scene::Scene& scene, const S
     : device_(device), settings_(settings), targets_(device, settings), scene_(device, scene, resources),
       shadow_(device, scene_), pool_(device, settings.poolBytes), feedback_(device, settings.size, scene_),
       plan_(device, scene_, feedback_), light_(device, scene_, pool_), edges_(device, scene_, targets_),
-      display_(device, scene_, targets_), sceneRadius_(scene.bounds.radius()), ring_(device)
+      display_(device, targets_), sceneRadius_(scene.bounds.radius()), ring_(device)
 {
     for (auto& own : inFlight_)
         own = std::make_unique<InFlight>(device);
@@ -237,10 +237,9 @@ void Renderer::preparePipelines()
         light_.prepare(frame, pool_, lights);
     }
     draw_.prepare(frame, pool_, lights);
-    if (filtersEdges(settings_)) // which tone-maps too
+    if (filtersEdges(settings_))
         edges_.prepare(frame);
-    else
-        display_.prepare(frame);
+    display_.prepare(frame);
     if (settings_.shading == Shading::tsl) {
         light_.prepareCached(frame, pool_, plan_, lights);
         draw_.prepareFades(frame, pool_, lights);

@@ -12,20 +12,12 @@ void dispatchOver(vk::CommandBuffer commands, glm::uvec2 pixels)
 
 } // namespace
 
-DisplayPass::DisplayPass(const gpu::Device& device, const SceneState& scene, const Targets& targets)
+DisplayPass::DisplayPass(const gpu::Device& device, const Targets& targets)
     : sampler_(gpu::makeSampler(device, {.filter = vk::Filter::eNearest})),
       accumulateLayout_(
           gpu::makeSetLayout(device, {vk::DescriptorType::eStorageImage, vk::DescriptorType::eStorageImage})),
       displayLayout_(gpu::makeSetLayout(
-          device, {vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eStorageImage})),
-      accumulate_(gpu::makeComputePipeline(device, "accumulate.comp",
-                                           {*scene.frameSet().layout(), *accumulateLayout_},
-                                           sizeof(shared::DisplayPush))),
-      upscaleX_(gpu::makeComputePipeline(device, "upscale_x.comp",
-                                         {*scene.frameSet().layout(), *displayLayout_},
-                                         sizeof(shared::ScalePush))),
-      upscaleY_(gpu::makeComputePipeline(
-          device, "upscale_y.comp", {*scene.frameSet().layout(), *displayLayout_}, sizeof(shared::ScalePush)))
+          device, {vk::DescriptorType::eCombinedImageSampler, vk::DescriptorType::eStorageImage}))
 {
     connect(device, targets);
 }
@@ -44,7 +36,20 @@ const gpu::Pipeline& DisplayPass::pipeline(const gpu::Device& device, const Scen
 
 void DisplayPass::prepare(const Frame& frame)
 {
-    pipeline(frame.device, frame.scene, uint32_t(frame.settings.toneMap));
+    const auto make = [&](gpu::Pipeline& pipeline, const char* shader, const gpu::SetLayout& layout,
+                          uint32_t pushBytes) {
+        if (!pipeline.handle.begun())
+            pipeline = gpu::makeComputePipeline(frame.device, shader,
+                                                {*frame.scene.frameSet().layout(), *layout}, pushBytes);
+    };
+    if (!filtersEdges(frame.settings)) // which tone-maps too
+        pipeline(frame.device, frame.scene, uint32_t(frame.settings.toneMap));
+    if (frame.targets.sum)
+        make(accumulate_, "accumulate.comp", accumulateLayout_, sizeof(shared::DisplayPush));
+    if (frame.targets.small) {
+        make(upscaleX_, "upscale_x.comp", displayLayout_, sizeof(shared::ScalePush));
+        make(upscaleY_, "upscale_y.comp", displayLayout_, sizeof(shared::ScalePush));
+    }
 }
 
 void DisplayPass::connect(const gpu::Device& device, const Targets& targets)

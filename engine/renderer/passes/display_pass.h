@@ -8,9 +8,9 @@ namespace lumel {
 
 class DisplayPass {
 public:
-    DisplayPass(const gpu::Device& device, const SceneState& scene, const Targets& targets);
+    DisplayPass(const gpu::Device& device, const Targets& targets);
     void connect(const gpu::Device& device, const Targets& targets); // to targets of another size
-    void prepare(const Frame& frame); // begins to make the pipeline of its tone mapper
+    void prepare(const Frame& frame); // begins to make the pipelines of its settings
     void clearSum(Frame& frame);
     void resumeSum(Frame& frame);  // after record(): more is to be added
     void accumulate(Frame& frame); // adds hdr to the sum
